@@ -1,0 +1,65 @@
+// HDF5 behind our own words: datasets of doubles with units, attributes, growing time axes. The only folder
+// that includes hdf5.h. Serial HDF5: under MPI rank 0 writes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace granary {
+
+/// A dense array in row-major order with its shape.
+struct DataArray {
+  std::vector<std::size_t> shape;
+  std::vector<double> values;
+};
+
+class Hdf5File {
+ public:
+  static Result<Hdf5File> create(const std::filesystem::path& file);          ///< replaces
+  static Result<Hdf5File> open(const std::filesystem::path& file);            ///< read only
+  static Result<Hdf5File> open_to_append(const std::filesystem::path& file);  ///< read and write
+  Hdf5File(Hdf5File&& other) noexcept;
+  Hdf5File& operator=(Hdf5File&& other) noexcept;
+  ~Hdf5File();
+
+  /// Writes a whole dataset ("/dem/collision_rate"; groups are made as needed) with its unit ("1/s") and a description.
+  Status write(const std::string& name, const DataArray& data, std::string_view unit, std::string_view description);
+  Status write_integers(const std::string& name, const std::vector<std::int64_t>& values, std::string_view unit,
+                        std::string_view description);
+  Status write_texts(const std::string& name, const std::vector<std::string>& values, std::string_view description);
+
+  /// Makes an empty dataset that grows along its first axis; `row_shape` is the shape of one row (empty: a scalar a row).
+  Status create_growing(const std::string& name, const std::vector<std::size_t>& row_shape, std::string_view unit,
+                        std::string_view description);
+  Status append_row(const std::string& name, const std::vector<double>& row);
+  /// Cuts a growing dataset back to its first n rows.
+  Status truncate_rows(const std::string& name, std::size_t n_rows);
+
+  /// On the root group for name "/", else on that group (made as needed) or dataset.
+  Status attribute(const std::string& name, const std::string& key, std::string_view text);
+  Status attribute(const std::string& name, const std::string& key, double value);
+
+  bool has(const std::string& name) const;
+  Result<DataArray> read(const std::string& name) const;
+  /// Row i of a dataset along its first axis.
+  Result<std::vector<double>> read_row(const std::string& name, std::size_t row) const;
+  Result<std::vector<std::string>> read_texts(const std::string& name) const;
+  Result<std::string> text_attribute(const std::string& name, const std::string& key) const;
+  Result<double> number_attribute(const std::string& name, const std::string& key) const;
+  /// Names of the groups and datasets directly below a group.
+  Result<std::vector<std::string>> children(const std::string& group) const;
+
+  Status flush();
+
+ private:
+  explicit Hdf5File(std::int64_t id, std::filesystem::path file) : id_(id), file_(std::move(file)) {}
+  std::int64_t id_ = -1;
+  std::filesystem::path file_;
+};
+
+}  // namespace granary
