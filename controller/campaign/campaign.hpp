@@ -1,0 +1,116 @@
+// A workflow as understood: everything a campaign is started from, in SI, defaults filled in. Plain data.
+// The keys a user writes, their units and defaults: docs/workflow_format.md. What happens with it is coupling/'s.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/json/value.hpp"
+#include "common/result.hpp"
+#include "dem_templates/case/dem_case.hpp"
+#include "pbm_solver/case/pbm_case.hpp"
+
+namespace granary::campaign {
+
+enum class Kind { coupled, tasks };
+
+/// When DEM and PBM take turns, and when that ends.
+struct CouplingSettings {
+  enum class Mode {
+    two_way,   ///< DEM and PBM in turns until steady or the process is over
+    one_way,   ///< one DEM burst, then the PBM to the end with its rates
+    pbm_only,  ///< the PBM alone, with kernels that need no DEM
+  };
+  Mode mode = Mode::two_way;
+  double threshold = 0.15;         ///< a watched property moved by more than this share: the other side's turn [-]
+  double steady_window = 5.0;      ///< DEM properties within the threshold for so long of DEM time: steady [s]
+  double steady_tolerance = 0.05;  ///< coupled state: largest change between two whole rounds that still is steady [-]
+  double grace = 0.2;              ///< no verdict on a DEM burst before so much measured DEM time [s]
+  int least_rounds = 3;            ///< DEM + PBM is one round; no end before so many
+  int most_rounds = 50;            ///< ended as "limit" after so many
+};
+
+/// The DEM beyond its base case: how it is scaled from the PBM and what it carries back.
+struct DemSettings {
+  enum class CarryBack {
+    orthokinetic,  ///< C_real = C_dem (d_p + d_q)^3_real / (d_p + d_q)^3_dem
+    equal_speed,   ///< C_real = C_dem (d_p + d_q)^2_real / (d_p + d_q)^2_dem: same relative speeds
+  };
+  long particles = 2000;                ///< budget: the coarse-graining factor is chosen so that there are about so many
+  std::optional<double> coarse_graining;  ///< DEM diameter / real diameter; none: chosen from the budget
+  CarryBack carry_back = CarryBack::orthokinetic;
+  int size_classes = 4;                 ///< of the DEM particles, and of the tallies
+  std::optional<double> density;        ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
+  double longest_burst = 0.5;           ///< measured DEM time of one burst at most [s]; also in base dem.duration
+};
+
+struct PbmSettings {
+  double longest_burst = 20.0;  ///< process time of one burst at most [s]
+  int ranks = 1;
+  int threads = 1;              ///< a rank
+};
+
+struct Resources {
+  enum class Backend { local };
+  Backend backend = Backend::local;
+  int nodes = 1;
+  std::optional<int> cores;     ///< a node; none: all that the machine has
+};
+
+struct Outputs {
+  bool report = true;           ///< write report.html at the end
+};
+
+/// What the dry run believes: seconds of one core, and how the monitors would answer.
+struct CostModel {
+  double dem_per_particle_step = 0.4e-6;  ///< [s]
+  double dem_per_step = 0.2e-3;           ///< moving walls, tallies [s]
+  double pbm_per_pair = 1.2e-8;           ///< a pair of classes in one right-hand side of one compartment [s]
+  double pbm_rates_per_second = 30.0;     ///< right-hand sides in a second of process time [1/s]
+  double parallel_loss = 0.1;             ///< share of a core's time lost with each doubling of ranks or threads [-]
+  double dem_start = 1.0;                 ///< start of a DEM burst: process, walls, restart, resize [s]
+  double pbm_start = 0.2;                 ///< [s]
+  double exchange = 0.1;                  ///< what the controller does between two bursts [s]
+  double dem_drift_after = 0.3;           ///< measured DEM time until its monitor would say drifted [s]
+  double pbm_drift_after = 5.0;           ///< process time until its monitor would say drifted [s]
+  int rounds_until_steady = 5;
+};
+
+struct Campaign {
+  std::string name;
+  Kind kind = Kind::coupled;
+  std::string description;
+
+  // kind coupled
+  pbm::PbmCase pbm_case;  ///< the whole process: end_time is its duration; a burst sets start, end, restart and dem
+  dem::DemCase dem_case;  ///< a burst sets population, density, coarse_graining, class edges and restart
+  double feed_rate = 0.0;                 ///< solids fed [kg/s]; 0: none
+  std::vector<double> compartment_edges;  ///< along the machine's axis [m], shape (compartments + 1)
+  DemSettings dem;
+  PbmSettings pbm;
+  CouplingSettings coupling;
+  double duration = 0.0;                  ///< end of the process clock [s]
+
+  Resources resources;
+  Outputs outputs;
+  CostModel cost_model;
+
+  std::filesystem::path file;             ///< the workflow as given
+  std::filesystem::path folder;           ///< its folder, absolute: relative paths in it start there
+  json::Value document;                   ///< the workflow as written, overrides applied
+};
+
+/// Reads a workflow. `overrides` are "/pointer=value" (RFC 6901; the value as JSON, else as text), applied first.
+/// Errors: every problem at once, one line each: FILE: POINTER is VALUE: MESSAGE HINT (Exit::bad_input).
+Result<Campaign> read_campaign(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// campaign.json: the workflow as written (what a resume reads again) beside how it was understood, versions and seeds.
+json::Value to_json(const Campaign& campaign);
+
+/// Reads a campaign.json back. Errors: no campaign.json; or this version understands the workflow otherwise than the one
+/// that wrote it (a run must not go on with other settings than it began with).
+Result<Campaign> read_written_campaign(const std::filesystem::path& file);
+
+}  // namespace granary::campaign
