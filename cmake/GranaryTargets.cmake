@@ -5,7 +5,8 @@ set(GRANARY_SYSTEM_INCLUDES "")
 
 function(granary_compile_options target)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers
+    -Wno-restrict)  # g++ 12 sees overlaps in std::string that are not there
   if(GRANARY_ASSERTS OR CMAKE_BUILD_TYPE STREQUAL "Debug")
     target_compile_definitions(${target} PUBLIC GRANARY_ASSERTS=1)
   endif()

@@ -22,6 +22,7 @@ struct Range {
 
   bool contains(double x) const;  ///< NaN is in no range
   std::string text() const;
+  std::string clause() const;         ///< ", > 0" to end a sentence with; nothing if any number will do
 
   static Range any() { return {}; }
   static Range positive() { return {0.0, std::numeric_limits<double>::infinity(), false, true}; }
