@@ -1,0 +1,55 @@
+// Starts nothing: tasks take the time a cost model says, on any event loop. The dry run and the tests use it.
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "pilot/launch/launcher.hpp"
+#include "pilot/loop/event_loop.hpp"
+
+namespace granary::pilot {
+
+/// What a task would do.
+struct SimulatedRun {
+  double seconds = 0.0;      ///< running time (not counting suspension) until it ends by itself
+  int exit_code = 0;
+  double stop_after = 0.0;   ///< [s] from its stop signal to its end
+  int stop_exit_code = 0;    ///< exit code after its stop signal
+  bool ignores_stop = false; ///< only SIGKILL ends it early
+  std::function<void()> at_end;  ///< called just before its end is reported, however it ends (may be empty)
+};
+
+class SimulatedLauncher final : public Launcher {
+ public:
+  SimulatedLauncher(EventLoop& loop, std::function<SimulatedRun(const TaskSpec&)> model);
+
+  Result<ProcessKey> start(const Launch& launch, std::function<void(const RunEnd&)> ended) override;
+  void signal(AttemptId attempt, int signal_number) override;
+  void kill(AttemptId attempt) override;
+  void suspend(AttemptId attempt) override;
+  void resume(AttemptId attempt, const std::vector<int>& cores) override;
+  Status set_aside(const Launch& earlier, bool own_folder) override;
+  bool end_orphan(const ProcessKey& key, const std::string& mark) override;
+
+ private:
+  struct Run {
+    SimulatedRun plan;
+    int cores = 0;
+    double left = 0.0;     ///< running time still to come [s]
+    double since = 0.0;    ///< clock when `left` was last true [s]
+    double cpu_s = 0.0;
+    bool suspended = false;
+    RunEnd end;            ///< what it will end with
+    TimerId timer = TimerId::none;
+    std::function<void(const RunEnd&)> ended;
+  };
+  void settle(Run& run);
+  void arm(AttemptId attempt, Run& run);
+  void end(AttemptId attempt);
+
+  EventLoop& loop_;
+  std::function<SimulatedRun(const TaskSpec&)> model_;
+  std::map<AttemptId, Run> runs_;
+};
+
+}  // namespace granary::pilot
