@@ -2,6 +2,7 @@
 // The keys a user writes, their units and defaults: docs/workflow_format.md. What happens with it is coupling/'s.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "common/result.hpp"
 #include "dem_templates/case/dem_case.hpp"
 #include "pbm_solver/case/pbm_case.hpp"
+#include "pilot/task/spec.hpp"
 
 namespace granary::campaign {
 
@@ -43,7 +45,7 @@ struct DemSettings {
   CarryBack carry_back = CarryBack::orthokinetic;
   int size_classes = 4;                 ///< of the DEM particles, and of the tallies
   std::optional<double> density;        ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
-  double longest_burst = 0.5;           ///< measured DEM time of one burst at most [s]; also in base dem.duration
+  double longest_burst = 5.0;           ///< measured DEM time of one burst at most [s]; also dem_case.duration
 };
 
 struct PbmSettings {
@@ -86,12 +88,16 @@ struct Campaign {
   // kind coupled
   pbm::PbmCase pbm_case;  ///< the whole process: end_time is its duration; a burst sets start, end, restart and dem
   dem::DemCase dem_case;  ///< a burst sets population, density, coarse_graining, class edges and restart
+  std::array<std::string, 2> solids{"API", "excipient"};  ///< names of the two solid components
   double feed_rate = 0.0;                 ///< solids fed [kg/s]; 0: none
   std::vector<double> compartment_edges;  ///< along the machine's axis [m], shape (compartments + 1)
   DemSettings dem;
   PbmSettings pbm;
   CouplingSettings coupling;
   double duration = 0.0;                  ///< end of the process clock [s]
+
+  // kind tasks
+  std::vector<pilot::TaskSpec> tasks;
 
   Resources resources;
   Outputs outputs;
@@ -105,6 +111,10 @@ struct Campaign {
 /// Reads a workflow. `overrides` are "/pointer=value" (RFC 6901; the value as JSON, else as text), applied first.
 /// Errors: every problem at once, one line each: FILE: POINTER is VALUE: MESSAGE HINT (Exit::bad_input).
 Result<Campaign> read_campaign(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// Whether every task of the campaign fits on so many nodes of so many cores: what read_campaign() asks of /resources/cores where
+/// that is given, and the runner of the machine it finds itself on.
+Status check_resources(const Campaign& campaign, int nodes, int cores_per_node);
 
 /// campaign.json: the workflow as written (what a resume reads again) beside how it was understood, versions and seeds.
 json::Value to_json(const Campaign& campaign);
