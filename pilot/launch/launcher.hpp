@@ -13,13 +13,6 @@
 
 namespace granary::pilot {
 
-/// One try to run a task; never used twice.
-struct AttemptId {
-  TaskId task;
-  int number = 0;  ///< from 1
-  auto operator<=>(const AttemptId&) const = default;
-};
-
 /// All a launcher must know to start an attempt.
 struct Launch {
   AttemptId attempt;

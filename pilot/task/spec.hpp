@@ -17,6 +17,13 @@ struct TaskId {
   auto operator<=>(const TaskId&) const = default;
 };
 
+/// One try to run a task; never used twice.
+struct AttemptId {
+  TaskId task;
+  int number = 0;  ///< from 1
+  auto operator<=>(const AttemptId&) const = default;
+};
+
 /// What is done to a filler whose cores a ready task needs.
 enum class Preempt { suspend, kill };
 

@@ -1,0 +1,196 @@
+#include "pilot/task/spec_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <csignal>
+#include <limits>
+
+namespace granary::pilot {
+namespace {
+
+constexpr std::array<std::pair<const char*, int>, 8> kSignals{{{"SIGTERM", SIGTERM},
+                                                               {"SIGINT", SIGINT},
+                                                               {"SIGHUP", SIGHUP},
+                                                               {"SIGQUIT", SIGQUIT},
+                                                               {"SIGUSR1", SIGUSR1},
+                                                               {"SIGUSR2", SIGUSR2},
+                                                               {"SIGALRM", SIGALRM},
+                                                               {"SIGKILL", SIGKILL}}};
+
+std::vector<std::string> signal_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, number] : kSignals) names.emplace_back(name);
+  return names;
+}
+
+bool is_plain_name(const std::string& name) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-'; };
+  return !name.empty() && name.size() <= 200 && name[0] != '.' && std::all_of(name.begin(), name.end(), plain);
+}
+
+int small_integer(json::Reader& reader, const std::string& key, int otherwise, int low) {
+  const double largest = std::numeric_limits<int>::max();
+  return static_cast<int>(reader.integer_or(key, otherwise, json::Range::between(low, largest)));
+}
+
+void read_env(json::Reader& task, TaskSpec& spec) {
+  const json::Value* env = task.raw("env");
+  if (env == nullptr) return;
+  if (!env->is_object()) return task.problem("env", "must be an object of texts, like {\"KEY\": \"value\"}.");
+  for (const auto& [key, value] : env->members()) {
+    if (key.empty() || key.find('=') != std::string::npos || !value.is_string()) {
+      task.problem("env", fmt::format("member \"{}\": the key must be a name without '=', the value a text.", key));
+    } else {
+      spec.env.emplace_back(key, value.as_string());
+    }
+  }
+}
+
+void read_stop(json::Reader& task, TaskSpec& spec) {
+  auto stop = task.optional_section("stop");
+  if (!stop) return;
+  if (stop->has("signal")) {
+    const std::string chosen = stop->choice("signal", signal_names());
+    for (const auto& [name, number] : kSignals) {
+      if (chosen == name) spec.stop.signal = number;
+    }
+  }
+  spec.stop.grace = stop->quantity_or("grace", spec.stop.grace, "s", json::Range::positive());
+  stop->done();
+}
+
+
+std::vector<std::filesystem::path> paths_of(const std::vector<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+}  // namespace
+
+TaskSpec read_task(json::Reader& task) {
+  TaskSpec spec;
+  spec.name = task.text("name");
+  if (!spec.name.empty() && !is_plain_name(spec.name)) {
+    task.problem("name", "must be made of letters, digits, '.', '_' and '-' (at most 200) and not start with '.'.",
+                 "It names the task's output files.");
+  }
+  if (!task.has("command")) {
+    task.problem("command", "is missing.", "Give the program and its arguments as a list: [\"sleep\", \"5\"].");
+  }
+  spec.command = task.texts_or("command", {});
+  if (task.has("command") && (spec.command.empty() || spec.command[0].empty())) {
+    task.problem("command", "must be a list of texts, the program first.",
+                 "There is no shell: write [\"sleep\", \"5\"], not \"sleep 5\".");
+  }
+  read_env(task, spec);
+  spec.dir = task.text_or("dir", "");
+  spec.ranks = small_integer(task, "ranks", spec.ranks, 1);
+  spec.threads = small_integer(task, "threads", spec.threads, 1);
+  spec.mpi = task.boolean_or("mpi", spec.mpi);
+  spec.light = task.boolean_or("light", spec.light);
+  spec.memory_bytes = static_cast<std::int64_t>(task.quantity_or("memory", 0.0, "byte", json::Range::between(0.0, 1e18)));
+  spec.nodes = small_integer(task, "nodes", spec.nodes, 1);
+  spec.after = task.texts_or("after", {});
+  spec.priority = small_integer(task, "priority", spec.priority, std::numeric_limits<int>::min() + 1);
+  spec.fill = task.boolean_or("fill", spec.fill);
+  spec.preempt = task.choice_or("preempt", "suspend", {"suspend", "kill"}) == "kill" ? Preempt::kill : Preempt::suspend;
+  spec.timeout = task.quantity_or("timeout", spec.timeout, "s", json::Range::positive());
+  spec.retries = small_integer(task, "retries", spec.retries, 0);
+  read_stop(task, spec);
+  spec.produces = paths_of(task.texts_or("produces", {}));
+  spec.stdout_file = task.text_or("stdout", "");
+  spec.stderr_file = task.text_or("stderr", "");
+  if (spec.light && spec.fill) task.problem("light", "and fill exclude each other: a light task occupies no core.");
+  if (spec.light && (spec.ranks > 1 || spec.threads > 1)) {
+    task.problem("light", "is for one process of one thread: a light task occupies no core.", "Take ranks and threads away.");
+  }
+  if (spec.nodes > spec.ranks) task.problem("nodes", fmt::format("is more than its {} rank(s).", spec.ranks));
+  task.done();
+  return spec;
+}
+
+namespace {
+
+json::Value texts(const std::vector<std::filesystem::path>& paths) {
+  json::Value list = json::Value::array();
+  for (const auto& path : paths) list.push(path.string());
+  return list;
+}
+
+std::vector<std::string> texts_in(const json::Value& value, std::string_view key) {
+  std::vector<std::string> list;
+  if (const json::Value* items = value.find(key); items != nullptr && items->is_array()) {
+    for (const json::Value& item : items->items()) {
+      if (item.is_string()) list.push_back(item.as_string());
+    }
+  }
+  return list;
+}
+
+bool flag(const json::Value& value, std::string_view key) {
+  const json::Value& member = value[key];
+  return member.is_bool() && member.as_bool();
+}
+
+}  // namespace
+
+json::Value to_json(const TaskSpec& spec) {
+  const TaskSpec standard;
+  json::Value value = json::Value::object({{"name", spec.name}, {"command", spec.command}});
+  if (!spec.env.empty()) {
+    json::Value env = json::Value::object();
+    for (const auto& [key, text] : spec.env) env.set(key, text);
+    value.set("env", std::move(env));
+  }
+  if (!spec.dir.empty()) value.set("dir", spec.dir.string());
+  if (spec.ranks != standard.ranks) value.set("ranks", spec.ranks);
+  if (spec.threads != standard.threads) value.set("threads", spec.threads);
+  if (spec.mpi) value.set("mpi", true);
+  if (spec.light) value.set("light", true);
+  if (spec.memory_bytes != 0) value.set("memory_bytes", spec.memory_bytes);
+  if (spec.nodes != standard.nodes) value.set("nodes", spec.nodes);
+  if (!spec.after.empty()) value.set("after", spec.after);
+  if (spec.priority != standard.priority) value.set("priority", spec.priority);
+  if (spec.fill) value.set("fill", true);
+  if (spec.preempt == Preempt::kill) value.set("preempt", "kill");
+  if (spec.timeout > 0.0) value.set("timeout_s", spec.timeout);
+  if (spec.retries != 0) value.set("retries", spec.retries);
+  if (spec.stop.signal) value.set("stop_signal", *spec.stop.signal);
+  if (spec.stop.grace != standard.stop.grace) value.set("grace_s", spec.stop.grace);
+  if (!spec.produces.empty()) value.set("produces", texts(spec.produces));
+  if (!spec.stdout_file.empty()) value.set("stdout", spec.stdout_file.string());
+  if (!spec.stderr_file.empty()) value.set("stderr", spec.stderr_file.string());
+  return value;
+}
+
+TaskSpec spec_from_json(const json::Value& value) {
+  TaskSpec spec;
+  spec.name = value.text_or("name", "");
+  spec.command = texts_in(value, "command");
+  if (const json::Value* env = value.find("env"); env != nullptr && env->is_object()) {
+    for (const auto& [key, text] : env->members()) spec.env.emplace_back(key, text.is_string() ? text.as_string() : "");
+  }
+  spec.dir = value.text_or("dir", "");
+  spec.ranks = static_cast<int>(value.integer_or("ranks", spec.ranks));
+  spec.threads = static_cast<int>(value.integer_or("threads", spec.threads));
+  spec.mpi = flag(value, "mpi");
+  spec.light = flag(value, "light");
+  spec.memory_bytes = value.integer_or("memory_bytes", 0);
+  spec.nodes = static_cast<int>(value.integer_or("nodes", spec.nodes));
+  spec.after = texts_in(value, "after");
+  spec.priority = static_cast<int>(value.integer_or("priority", spec.priority));
+  spec.fill = flag(value, "fill");
+  spec.preempt = value.text_or("preempt", "") == "kill" ? Preempt::kill : Preempt::suspend;
+  spec.timeout = value.number_or("timeout_s", spec.timeout);
+  spec.retries = static_cast<int>(value.integer_or("retries", spec.retries));
+  if (value.find("stop_signal") != nullptr) spec.stop.signal = static_cast<int>(value.integer_or("stop_signal", SIGTERM));
+  spec.stop.grace = value.number_or("grace_s", spec.stop.grace);
+  spec.produces = paths_of(texts_in(value, "produces"));
+  spec.stdout_file = value.text_or("stdout", "");
+  spec.stderr_file = value.text_or("stderr", "");
+  return spec;
+}
+
+}  // namespace granary::pilot

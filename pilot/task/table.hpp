@@ -1,0 +1,88 @@
+// All tasks of a campaign, their attempts and their dependencies. Only task/update changes it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/result.hpp"
+#include "pilot/task/spec.hpp"
+#include "pilot/task/state.hpp"
+
+namespace granary::pilot {
+
+/// A stretch in which an attempt ran without being suspended. `end` < 0: it still runs.
+struct Piece {
+  double start = 0.0, end = -1.0;
+  std::vector<int> cores;
+};
+
+struct Attempt {
+  int number = 0;  ///< from 1
+  std::vector<Piece> pieces;
+  TaskState outcome = TaskState::running;  ///< running (or suspended) until it has ended
+  double start = 0.0, end = 0.0;           ///< [s]; `end` once it has ended
+  int exit_code = -1, signal = 0;
+  double cpu_s = 0.0;
+  std::string reason;  ///< why it failed, was stopped or lost
+  int pid = 0;
+  std::uint64_t start_ticks = 0;
+
+  /// Seconds it ran by `now`, without suspensions.
+  double ran(double now) const;
+};
+
+/// Why a running attempt is being ended by us.
+enum class Ending { none, stop, stop_resumable, timeout, preempt };
+
+struct Task {
+  TaskId id;
+  TaskSpec spec;
+  TaskState state = TaskState::waiting;
+  int unmet = 0;                  ///< dependencies that have not finished
+  std::vector<TaskId> dependents;
+  std::vector<Attempt> attempts;
+  int failures = 0;               ///< attempts that failed by themselves or by timeout
+  Ending ending = Ending::none;
+  std::string reason;             ///< why it is being stopped; of an ended task: why it failed or was stopped
+  bool resumable = false;         ///< stopped by stop_all()
+  double ended = 0.0;             ///< when it ended for good [s]
+
+  const Attempt& last() const { return attempts.back(); }
+  AttemptId attempt_id() const { return {id, attempts.empty() ? 0 : attempts.back().number}; }
+};
+
+/// Larger priority first, then the order of submission.
+struct Turn {
+  int priority = 0;
+  TaskId id;
+  bool operator<(const Turn& other) const {
+    return priority != other.priority ? priority > other.priority : id < other.id;
+  }
+};
+
+struct Table {
+  std::vector<Task> tasks;  ///< by id
+  std::unordered_map<std::string, TaskId> by_name;
+  // Indices of `tasks` by state, so that nothing walks through all of them.
+  std::set<Turn> ready, ready_fillers, ready_light;
+  std::set<TaskId> running;
+  std::set<Turn> suspended;
+  std::size_t n_waiting = 0;
+
+  Task& at(TaskId id) { return tasks.at(static_cast<std::size_t>(id.value)); }
+  const Task& at(TaskId id) const { return tasks.at(static_cast<std::size_t>(id.value)); }
+  const Task* find(const std::string& name) const;
+  bool has(TaskId id) const { return id.value >= 0 && static_cast<std::size_t>(id.value) < tasks.size(); }
+  /// The set a ready task stands in.
+  std::set<Turn>& ready_set(const TaskSpec& spec);
+  std::size_t n_ready() const { return ready.size() + ready_fillers.size() + ready_light.size(); }
+
+  /// What must hold after every event; the error names what does not. Cost: all tasks; for tests.
+  Status check_invariants() const;
+};
+
+}  // namespace granary::pilot

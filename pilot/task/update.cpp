@@ -1,0 +1,290 @@
+#include "pilot/task/update.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+
+namespace granary::pilot {
+namespace {
+
+/// One event's worth of changes.
+class Step {
+ public:
+  Step(Table& table, double time) : table_(table), time_(time) {}
+  std::vector<Action> take_actions() { return std::move(actions_); }
+
+  void operator()(const Submitted& event) {
+    if (table_.find(event.spec.name) != nullptr) return;
+    Task task;
+    task.id = TaskId{static_cast<int>(table_.tasks.size())};
+    task.spec = event.spec;
+    GRANARY_ASSERT(event.id == task.id);
+    const Task* hopeless = nullptr;
+    for (const std::string& name : event.spec.after) {
+      const Task* before = table_.find(name);
+      GRANARY_ASSERT(before != nullptr, name);
+      if (before->state != TaskState::finished) ++task.unmet;
+      if (hopeless == nullptr && never_finishes(*before)) hopeless = before;
+      table_.at(before->id).dependents.push_back(task.id);
+    }
+    const TaskId id = task.id;
+    const std::string reason = hopeless != nullptr ? blocked_reason(*hopeless) : "";
+    const TaskState fate = hopeless != nullptr ? hopeless->state : TaskState::ready;
+    table_.by_name.emplace(task.spec.name, id);
+    table_.tasks.push_back(std::move(task));
+    ++table_.n_waiting;
+    if (!reason.empty()) {
+      end(table_.at(id), fate, reason);
+    } else if (table_.at(id).unmet == 0) {
+      enter(table_.at(id), TaskState::ready);
+    }
+  }
+
+  void operator()(const Placed& event) {
+    Task& task = table_.at(event.attempt.task);
+    if (task.state != TaskState::ready || event.attempt.number != task.attempt_id().number + 1) return;
+    Attempt attempt;
+    attempt.number = event.attempt.number;
+    attempt.start = time_;
+    attempt.pieces.push_back({time_, -1.0, event.cores});
+    task.attempts.push_back(std::move(attempt));
+    enter(task, TaskState::running);
+    actions_.push_back(Spawn{event.attempt});
+    if (task.spec.timeout > 0.0) actions_.push_back(SetAlarm{event.attempt, Alarm::timeout, task.spec.timeout});
+  }
+
+  void operator()(const Started& event) {
+    if (Task* task = active(event.attempt)) {
+      task->attempts.back().pid = event.pid;
+      task->attempts.back().start_ticks = event.start_ticks;
+    }
+  }
+
+  void operator()(const StartFailed& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr) return;
+    close_attempt(*task, TaskState::failed, event.reason);
+    ++task->failures;
+    // What could not be started cannot be started a second later either: no retry.
+    end(*task, TaskState::failed, event.reason);
+  }
+
+  void operator()(const Exited& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr) return;
+    Attempt& attempt = task->attempts.back();
+    attempt.exit_code = event.exit_code;
+    attempt.signal = event.signal;
+    attempt.cpu_s = event.cpu_s;
+    switch (task->ending) {
+      case Ending::stop:
+      case Ending::stop_resumable:
+        task->resumable = task->ending == Ending::stop_resumable;
+        close_attempt(*task, TaskState::stopped, task->reason);
+        return end(*task, TaskState::stopped, task->reason);
+      case Ending::preempt:
+        close_attempt(*task, TaskState::stopped, "gave way to a task that needed its cores");
+        return enter(*task, TaskState::ready);
+      case Ending::timeout: return fail(*task, fmt::format("ran longer than its timeout of {:g} s", task->spec.timeout));
+      case Ending::none: break;
+    }
+    const std::string fault = fault_of(event);
+    if (!fault.empty()) return fail(*task, fault);
+    close_attempt(*task, TaskState::finished, "");
+    finish(*task);
+  }
+
+  void operator()(const StopAsked& event) {
+    Task& task = table_.at(event.id);
+    if (has_ended(task.state)) return;
+    if (task.state == TaskState::waiting || task.state == TaskState::ready) {
+      if (!event.resumable) end(task, TaskState::stopped, event.reason);
+      return;
+    }
+    if (task.ending == Ending::stop || task.ending == Ending::stop_resumable) return;
+    const bool asked_already = task.ending != Ending::none;
+    task.ending = event.resumable ? Ending::stop_resumable : Ending::stop;
+    task.reason = event.reason;
+    if (!asked_already) ask_to_end(task);
+  }
+
+  void operator()(const TimedOut& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr || task->state != TaskState::running || task->ending != Ending::none) return;
+    task->ending = Ending::timeout;
+    ask_to_end(*task);
+  }
+
+  void operator()(const GraceOver& event) {
+    Task* task = active(event.attempt);
+    if (task != nullptr && task->ending != Ending::none) actions_.push_back(Kill{event.attempt});
+  }
+
+  void operator()(const Suspended& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none) return;
+    task->attempts.back().pieces.back().end = time_;
+    enter(*task, TaskState::suspended);
+    actions_.push_back(ClearAlarm{event.attempt, Alarm::timeout});
+    actions_.push_back(Pause{event.attempt});
+    actions_.push_back(FreeCores{event.attempt});
+  }
+
+  void operator()(const Resumed& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr || task->state != TaskState::suspended || task->ending != Ending::none) return;
+    Attempt& attempt = task->attempts.back();
+    if (task->spec.timeout > 0.0) {
+      actions_.push_back(SetAlarm{event.attempt, Alarm::timeout, std::max(0.0, task->spec.timeout - attempt.ran(time_))});
+    }
+    attempt.pieces.push_back({time_, -1.0, event.cores});
+    enter(*task, TaskState::running);
+    actions_.push_back(Continue{event.attempt});
+  }
+
+  void operator()(const Preempted& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none) return;
+    task->ending = Ending::preempt;
+    actions_.push_back(Kill{event.attempt});
+  }
+
+  void operator()(const Lost& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr) return;
+    const Ending ending = task->ending;
+    close_attempt(*task, TaskState::lost, event.reason);
+    if (ending == Ending::stop) return end(*task, TaskState::stopped, task->reason);
+    enter(*task, TaskState::ready);
+  }
+
+  void operator()(const Reopened& event) {
+    Task& task = table_.at(event.id);
+    if (task.state != TaskState::stopped || !task.resumable) return;
+    task.resumable = false;
+    task.reason.clear();
+    enter(task, TaskState::ready);
+  }
+
+ private:
+  /// The task, if this attempt is the one that runs or is suspended.
+  Task* active(AttemptId attempt) {
+    if (!table_.has(attempt.task)) return nullptr;
+    Task& task = table_.at(attempt.task);
+    const bool runs = task.state == TaskState::running || task.state == TaskState::suspended;
+    return runs && task.attempt_id() == attempt ? &task : nullptr;
+  }
+
+  /// Moves a task from the index of its state to that of the next one.
+  void enter(Task& task, TaskState next) {
+    const Turn turn{task.spec.priority, task.id};
+    switch (task.state) {
+      case TaskState::waiting: --table_.n_waiting; break;
+      case TaskState::ready: table_.ready_set(task.spec).erase(turn); break;
+      case TaskState::running: table_.running.erase(task.id); break;
+      case TaskState::suspended: table_.suspended.erase(turn); break;
+      default: break;
+    }
+    task.state = next;
+    switch (next) {
+      case TaskState::waiting: ++table_.n_waiting; break;
+      case TaskState::ready: table_.ready_set(task.spec).insert(turn); break;
+      case TaskState::running: table_.running.insert(task.id); break;
+      case TaskState::suspended: table_.suspended.insert(turn); break;
+      default: break;
+    }
+  }
+
+  void ask_to_end(Task& task) {
+    actions_.push_back(AskToEnd{task.attempt_id(), stop_signal(task.spec)});
+    actions_.push_back(SetAlarm{task.attempt_id(), Alarm::grace, task.spec.stop.grace});
+  }
+
+  void close_attempt(Task& task, TaskState outcome, std::string reason) {
+    Attempt& attempt = task.attempts.back();
+    if (attempt.pieces.back().end < 0.0) attempt.pieces.back().end = time_;
+    attempt.end = time_;
+    attempt.outcome = outcome;
+    attempt.reason = std::move(reason);
+    task.ending = Ending::none;
+    actions_.push_back(ClearAlarm{task.attempt_id(), Alarm::timeout});
+    actions_.push_back(ClearAlarm{task.attempt_id(), Alarm::grace});
+    actions_.push_back(FreeCores{task.attempt_id()});
+  }
+
+  void fail(Task& task, const std::string& reason) {
+    close_attempt(task, TaskState::failed, reason);
+    ++task.failures;
+    if (task.failures <= task.spec.retries) return enter(task, TaskState::ready);
+    end(task, TaskState::failed, reason);
+  }
+
+  void finish(Task& task) {
+    task.reason.clear();
+    task.ended = time_;
+    enter(task, TaskState::finished);
+    actions_.push_back(Report{task.id});
+    for (const TaskId id : task.dependents) {
+      Task& dependent = table_.at(id);
+      --dependent.unmet;
+      if (dependent.state == TaskState::waiting && dependent.unmet == 0) enter(dependent, TaskState::ready);
+    }
+  }
+
+  /// Failed or stopped for good; what waited for it, directly or not, can never start and ends the same way.
+  void end(Task& first, TaskState state, const std::string& reason) {
+    close(first, state, reason);
+    std::vector<TaskId> to_tell{first.id};
+    while (!to_tell.empty()) {
+      const Task& before = table_.at(to_tell.back());
+      to_tell.pop_back();
+      if (!never_finishes(before)) continue;
+      for (const TaskId id : before.dependents) {
+        if (table_.at(id).state != TaskState::waiting) continue;
+        close(table_.at(id), state, blocked_reason(before));
+        to_tell.push_back(id);
+      }
+    }
+  }
+
+  void close(Task& task, TaskState state, const std::string& reason) {
+    task.reason = reason;
+    task.ended = time_;
+    enter(task, state);
+    actions_.push_back(Report{task.id});
+  }
+
+  static bool never_finishes(const Task& task) {
+    return task.state == TaskState::failed || (task.state == TaskState::stopped && !task.resumable);
+  }
+
+  static std::string blocked_reason(const Task& before) {
+    return fmt::format("comes after task \"{}\", which {}", before.spec.name,
+                       before.state == TaskState::failed ? "failed" : "was stopped");
+  }
+
+  static std::string fault_of(const Exited& event) {
+    if (event.signal != 0) return fmt::format("ended by signal {} ({})", event.signal, strsignal(event.signal));
+    if (event.exit_code != 0) return fmt::format("exit code {}", event.exit_code);
+    if (event.missing.empty()) return "";
+    std::string names;
+    for (const auto& file : event.missing) names += (names.empty() ? "" : ", ") + file.string();
+    return "ended with exit code 0, but did not produce " + names;
+  }
+
+  Table& table_;
+  double time_;
+  std::vector<Action> actions_;
+};
+
+}  // namespace
+
+std::vector<Action> update(Table& table, const Event& event) {
+  Step step(table, event.time);
+  std::visit(step, event.what);
+  return step.take_actions();
+}
+
+}  // namespace granary::pilot
