@@ -47,6 +47,7 @@ struct Machine {
   double impeller_speed = 209.44;     ///< [rad/s]
   double chopper_speed = 0.0;         ///< [rad/s]; batch_bowl only
   std::optional<std::filesystem::path> shell_stl, impeller_stl;  ///< the user's own meshes instead of ours [m]
+  int refinement = 1;                 ///< n: each triangle of our meshes becomes n^2
 };
 
 /// Contact law of LIGGGHTS' `pair gran model hertz tangential history`; particle-particle and particle-wall.
@@ -87,6 +88,7 @@ struct DemCase {
   double coarse_graining = 1.0;       ///< DEM diameter / real diameter
   std::vector<Population> population; ///< per compartment, in order along the axis
   double feed_rate = 0.0;             ///< solids fed while it runs [kg/s]; 0: none
+  double feed_diameter = 0.0;         ///< of the fed particles [m]; 0: the smallest of the first compartment
   double time_step = 5e-6;            ///< [s]
   double settle_time = 0.05;          ///< after a fill or a resize, before the measuring starts [s]
   double duration = 0.2;              ///< longest measuring time of the burst [s]

@@ -1,0 +1,100 @@
+// The vertical batch bowl: cylinder, frustum and neck, a bladed impeller above the bottom and a chopper on a horizontal
+// shaft through the side wall. What the source paper leaves open is chosen here and said in docs/dem.md.
+#include <algorithm>
+
+#include "common/units.hpp"
+#include "dem_templates/geometry/machine.hpp"
+
+namespace granary::dem {
+namespace {
+
+constexpr int kAround = 32;            // sides of the bowl; flats touch the nominal circles
+constexpr int kShaftAround = 12;
+constexpr double kWall = 0.003;        // of the bowl [m]
+constexpr double kIntoWall = 0.001;    // how far shafts reach into the wall they come through [m]
+constexpr double kBladeThickness = 0.003, kChopperThickness = 0.002;  // [m]
+
+double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
+
+double blade_top(const BatchBowl& b) {
+  const Blade blade = bowl_blades(b).front();
+  return 2.0 * blade.centre.z - gap(b);
+}
+
+struct Chopper {
+  Vec3 centre;
+  double shaft_radius;
+};
+
+Chopper chopper_of(const BatchBowl& b) {
+  const double radius = 0.5 * b.chopper_diameter, clearance = 0.002;
+  const double height = std::min(blade_top(b) + radius + clearance, b.lid_height - radius - clearance);
+  return {{0.375 * b.bottom_diameter, 0.0, height}, 0.24 * radius};
+}
+
+}  // namespace
+
+std::vector<Blade> bowl_blades(const BatchBowl& b) {
+  std::vector<Blade> blades;
+  for (int i = 0; i < b.impeller_blades; ++i) {
+    Blade form;
+    form.axis = Axis::z;
+    form.angle = 2.0 * kPi * i / b.impeller_blades;
+    form.width = 0.16 * b.impeller_diameter;
+    form.thickness = kBladeThickness;
+    form.pitch = b.impeller_pitch;
+    const double half = 0.5 * (form.width * std::abs(std::cos(form.pitch)) + form.thickness * std::abs(std::sin(form.pitch)));
+    form.centre = {0.0, 0.0, gap(b) + half};
+    form.root_radius = 0.06 * b.impeller_diameter;
+    form.tip_radius = 0.5 * b.impeller_diameter;
+    blades.push_back(form);
+  }
+  return blades;
+}
+
+Mesh bowl_impeller(const BatchBowl& b) {
+  const double hub = 0.1 * b.impeller_diameter, top = blade_top(b) + 0.002;
+  Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}}, kShaftAround);
+  for (const Blade& form : bowl_blades(b)) append(mesh, blade(form));
+  return mesh;
+}
+
+Rotation bowl_chopper_rotation(const BatchBowl& b, double speed) { return {chopper_of(b).centre, Axis::x, speed}; }
+
+Mesh bowl_chopper(const BatchBowl& b) {
+  const Chopper chopper = chopper_of(b);
+  Blade form;
+  form.axis = Axis::x;
+  form.centre = chopper.centre;
+  form.width = 0.25 * b.chopper_diameter;
+  form.thickness = kChopperThickness;
+  form.root_radius = 0.6 * chopper.shaft_radius;
+  form.tip_radius = 0.5 * b.chopper_diameter;
+  const double from = chopper.centre.x - 0.5 * form.width - 0.001, to = 0.5 * b.bottom_diameter + kIntoWall;
+  Mesh mesh = body_of_revolution(
+      Axis::x, {{from, 0.0}, {from, chopper.shaft_radius}, {to, chopper.shaft_radius}, {to, 0.0}}, kShaftAround);
+  for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, chopper.centre.y, chopper.centre.z};
+  for (int i = 0; i < b.chopper_blades; ++i) {
+    form.angle = 2.0 * kPi * i / b.chopper_blades;
+    append(mesh, blade(form));
+  }
+  return mesh;
+}
+
+Mesh bowl_shell(const BatchBowl& b) {
+  const double low = touching_radius(0.5 * b.bottom_diameter, kAround);
+  const double high = touching_radius(0.5 * b.cover_diameter, kAround);
+  Vessel form;
+  form.axis = Axis::z;
+  form.n_around = kAround;
+  form.inner = {{0.0, 0.0}, {0.0, low}, {b.cylinder_height, low}, {b.cover_height, high}, {b.lid_height, high}, {b.lid_height, 0.0}};
+  form.outer = {{-kWall, 0.0},
+                {-kWall, low + kWall},
+                {b.cylinder_height, low + kWall},
+                {b.cover_height, high + kWall},
+                {b.lid_height + kWall, high + kWall},
+                {b.lid_height + kWall, 0.0}};
+  return vessel(form);
+}
+
+}  // namespace granary::dem

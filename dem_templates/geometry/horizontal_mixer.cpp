@@ -1,0 +1,100 @@
+// The continuous horizontal mixer: a conical casing with a feed chute on top and an outlet in its floor, and paddles in
+// a spiral on a shaft. What the source papers leave open is chosen here and said in docs/dem.md.
+#include <algorithm>
+
+#include "common/units.hpp"
+#include "dem_templates/geometry/horizontal_mixer.hpp"
+#include "dem_templates/geometry/machine.hpp"
+
+namespace granary::dem {
+namespace {
+
+constexpr int kAround = 24;           // sides of the casing; flats touch the nominal cone
+constexpr int kShaftAround = 16;
+constexpr double kWall = 0.004;       // of the casing [m]
+constexpr double kBladeThickness = 0.003;
+constexpr double kQuarterTurn = 0.5 * kPi;
+
+// Profile points along the casing: ends, chute, two between, outlet. Cells between points 2-3 and m-3..m-2 open.
+std::vector<double> stations(const HorizontalMixer& m) {
+  const MixerPorts ports = mixer_ports(m);
+  const double from = ports.chute_to, span = ports.outlet_from - ports.chute_to;
+  return {0.0, ports.chute_from, ports.chute_to, from + span / 3, from + 2 * span / 3, ports.outlet_from, ports.outlet_to, m.length};
+}
+constexpr int kChuteCell = 2, kOutletCell = 6;  // counted along the profile; cell 0 is the end plate
+
+// Sides of a third of the half circle, about the top (side 0 begins at +y) or the bottom.
+bool is_top(int around) { return around < 2 || around >= kAround - 2; }
+bool is_bottom(int around) { return around >= kAround / 2 - 2 && around < kAround / 2 + 2; }
+
+}  // namespace
+
+double casing_radius(const HorizontalMixer& m, double x) {
+  return 0.5 * (m.inlet_diameter + (m.outlet_diameter - m.inlet_diameter) * x / m.length);
+}
+
+MixerPorts mixer_ports(const HorizontalMixer& m) {
+  const double pitch = m.shaft_length / (m.feed_elements + m.shear_elements + m.exit_elements);
+  MixerPorts ports;
+  ports.chute_from = 0.02 * m.length;
+  ports.chute_to = std::clamp(m.feed_elements * pitch, 0.08 * m.length, 0.25 * m.length);
+  ports.outlet_from = std::max(m.shaft_length + 0.1 * (m.length - m.shaft_length), 0.8 * m.length);
+  ports.outlet_to = m.length - 0.01 * m.length;
+  ports.chute_top = touching_radius(casing_radius(m, ports.chute_to), kAround) + 0.25 * m.inlet_diameter;
+  ports.half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kAround);
+  return ports;
+}
+
+std::vector<Blade> mixer_blades(const HorizontalMixer& m) {
+  const int n = m.feed_elements + m.shear_elements + m.exit_elements;
+  const double pitch = n > 0 ? m.shaft_length / n : 0.0;
+  std::vector<Blade> blades;
+  for (int i = 0; i < n; ++i) {
+    const bool conveys = i < m.feed_elements || i >= n - m.exit_elements;
+    Blade b;
+    b.axis = Axis::x;
+    b.angle = i * kQuarterTurn;
+    b.width = 1.2 * pitch;
+    b.thickness = kBladeThickness;
+    b.pitch = conveys ? kPi / 4 : kPi / 9;
+    const double half = 0.5 * (b.width * std::cos(b.pitch) + b.thickness * std::sin(b.pitch));
+    b.centre = {std::clamp((i + 0.5) * pitch, half + 0.001, m.shaft_length - half), 0.0, 0.0};
+    b.root_radius = 0.4 * m.shaft_diameter;
+    b.tip_radius = 0.5 * m.impeller_diameter;
+    blades.push_back(b);
+  }
+  return blades;
+}
+
+Mesh mixer_impeller(const HorizontalMixer& m) {
+  const double r = 0.5 * m.shaft_diameter;
+  Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}}, kShaftAround);
+  for (const Blade& b : mixer_blades(m)) append(mesh, blade(b));
+  return mesh;
+}
+
+Mesh mixer_shell(const HorizontalMixer& m) {
+  const MixerPorts ports = mixer_ports(m);
+  Vessel form;
+  form.axis = Axis::x;
+  form.n_around = kAround;
+  const std::vector<double> x = stations(m);
+  form.inner.push_back({0.0, 0.0});
+  form.outer.push_back({-kWall, 0.0});
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    form.inner.push_back({x[i], touching_radius(casing_radius(m, x[i]), kAround)});
+    double outside = x[i];  // the wall's outside reaches past the ends and around the chute
+    if (i == 0 || i == 1) outside -= kWall;
+    if (i == 2 || i + 1 == x.size()) outside += kWall;
+    form.outer.push_back({outside, touching_radius(casing_radius(m, x[i]) + kWall, kAround)});
+  }
+  form.inner.push_back({m.length, 0.0});
+  form.outer.push_back({m.length + kWall, 0.0});
+  form.open = [](int along, int around) { return along == kOutletCell && is_bottom(around); };
+  form.raised = [](int along, int around) { return along == kChuteCell && is_top(around); };
+  form.lift_inner = [top = ports.chute_top](Vec3 p) { return Vec3{p.x, top, p.z}; };
+  form.lift_outer = [top = ports.chute_top + kWall](Vec3 p) { return Vec3{p.x, top, p.z}; };
+  return vessel(form);
+}
+
+}  // namespace granary::dem

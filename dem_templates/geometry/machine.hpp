@@ -1,0 +1,56 @@
+// The two machines as meshes and numbers: bodies, compartments, where particles go in and out.
+// Pure but for reading the user's own STL files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "dem_templates/case/dem_case.hpp"
+#include "dem_templates/geometry/solids.hpp"
+
+namespace granary::dem {
+
+/// Turning about a line [rad/s]; positive by the right-hand rule.
+struct Rotation {
+  Vec3 point;
+  Axis axis = Axis::x;
+  double speed = 0.0;
+};
+
+struct Body {
+  std::string name;  ///< "shell", "impeller", "chopper": the name in tallies.jsonl and of the STL file
+  Mesh mesh;
+  std::optional<Rotation> rotation;  ///< none: it stands still
+};
+
+/// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n^2 times the triangles.
+/// Errors: a user's STL that cannot be used (the only case with an error).
+Result<std::vector<Body>> bodies(const Machine& machine);
+
+/// The bodies by themselves, without any user's file.
+Mesh mixer_shell(const HorizontalMixer& mixer);
+Mesh mixer_impeller(const HorizontalMixer& mixer);
+Mesh bowl_shell(const BatchBowl& bowl);
+Mesh bowl_impeller(const BatchBowl& bowl);
+Mesh bowl_chopper(const BatchBowl& bowl);
+std::vector<Blade> mixer_blades(const HorizontalMixer& mixer);
+std::vector<Blade> bowl_blades(const BatchBowl& bowl);
+Rotation bowl_chopper_rotation(const BatchBowl& bowl, double speed);
+
+/// Compartments are n slices of equal length across the machine's axis; n + 1 edges [m].
+std::vector<double> compartment_edges(const Machine& machine, int n);
+/// Space for the bed in each compartment: between casing and shaft, less the blades [m^3].
+std::vector<double> compartment_volume(const Machine& machine, int n);
+
+/// Speed of the blade tips, the faster of impeller and chopper [m/s].
+double tip_speed(const Machine& machine);
+
+Axis axis_of(const Machine& machine);
+Vec3 gravity_direction(const Machine& machine);
+
+/// The box the simulation needs: all bodies, and some room around them, where particles that left are taken out.
+Box3 simulation_box(const std::vector<Body>& all);
+
+}  // namespace granary::dem
