@@ -1,13 +1,10 @@
 #include "common/results/campaign_results.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <atomic>
 #include <charconv>
-#include <cstring>
 
 #include "common/files.hpp"
 #include "common/results/dataset_io.hpp"
@@ -156,21 +153,28 @@ void exchange(Io& io, R& r) {
   for (auto& rates : r.rates) exchange_rates(io, rates);
 }
 
-/// A file in memory that HDF5 can open by a path. HDF5 forgets errno; made here and then written like any other file of
-/// ours, a full disk is said as what it is, and never leaves HDF5 with a file it cannot close.
-class MemoryFile {
+/// Where the file is made before its bytes are written beside the real one. HDF5 forgets errno, and after a failed flush
+/// (1.10) it can neither close the file nor end the process cleanly; made in memory and then written like any other file of ours, a
+/// full disk is said as what it is.
+class ScratchFile {
  public:
-  MemoryFile() : fd_(::memfd_create("results.h5", MFD_CLOEXEC)) {}
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() {
-    if (fd_ >= 0) ::close(fd_);
+  ScratchFile() {
+    static std::atomic<int> count = 0;
+    std::error_code ignored;
+    const fs::path memory = "/dev/shm";
+    path_ = (fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path(ignored)) /
+            fmt::format("granary-results-{}-{}.h5", ::getpid(), ++count);
   }
-  bool good() const { return fd_ >= 0; }
-  fs::path path() const { return fmt::format("/proc/self/fd/{}", fd_); }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
 
  private:
-  int fd_;
+  fs::path path_;
 };
 
 Status rates_are_in_order(const std::vector<DemRates>& rates) {
@@ -222,11 +226,9 @@ Result<std::vector<DemRates>> rates_in(const Hdf5File& h5, const fs::path& file)
 
 Status write_results(const CampaignResults& results, const fs::path& h5) {
   GRANARY_CHECK(rates_are_in_order(results.rates));
-  const MemoryFile memory;
-  if (!memory.good())
-    return Error{fmt::format("{}: cannot be made in memory first: {}.", h5.string(), std::strerror(errno)), Exit::task_failed};
-  GRANARY_CHECK(write_datasets(results, memory.path()));
-  GRANARY_TRY(const std::string bytes, read_text(memory.path()));
+  const ScratchFile scratch;
+  GRANARY_CHECK(write_datasets(results, scratch.path()));
+  GRANARY_TRY(const std::string bytes, read_text(scratch.path()));
   return write_text_atomically(h5, bytes);
 }
 
