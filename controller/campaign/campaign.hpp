@@ -27,8 +27,9 @@ struct CouplingSettings {
   };
   Mode mode = Mode::two_way;
   double threshold = 0.15;         ///< a watched property moved by more than this share: the other side's turn [-]
-  double steady_window = 5.0;      ///< DEM properties within the threshold for so long of DEM time: steady [s]
+  double steady_window = 5.0;      ///< DEM properties within the threshold for so long of DEM time, counted across bursts: steady [s]
   double steady_tolerance = 0.05;  ///< coupled state: largest change between two whole rounds that still is steady [-]
+  double significance = 3.0;       ///< a change of a count is one only beyond so many standard errors [-]
   double grace = 0.2;              ///< no verdict on a DEM burst before so much measured DEM time [s]
   int least_rounds = 3;            ///< DEM + PBM is one round; no end before so many
   int most_rounds = 50;            ///< ended as "limit" after so many
@@ -43,13 +44,15 @@ struct DemSettings {
   long particles = 2000;                ///< budget: the coarse-graining factor is chosen so that there are about so many
   std::optional<double> coarse_graining;  ///< DEM diameter / real diameter; none: chosen from the budget
   CarryBack carry_back = CarryBack::orthokinetic;
-  int size_classes = 4;                 ///< of the DEM particles, and of the tallies
+  int size_classes = 6;                 ///< of the DEM particles, and of the tallies
+  double fine_cut = 0.05;               ///< share of the volume, the finest, that rides on the finest class [-]
+  std::optional<double> largest_diameter;  ///< of a DEM particle [m]: what the machine's gaps allow; none: no bound
   std::optional<double> density;        ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
-  double longest_burst = 5.0;           ///< measured DEM time of one burst at most [s]; also dem_case.duration
+  double longest_burst = 1.0;           ///< measured DEM time of one burst at most [s]; also dem_case.duration
 };
 
 struct PbmSettings {
-  double longest_burst = 20.0;  ///< process time of one burst at most [s]
+  double longest_burst = 10.0;  ///< process time of one burst at most [s]
   int ranks = 1;
   int threads = 1;              ///< a rank
 };

@@ -1,0 +1,178 @@
+#include "controller/campaign/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+
+#include "common/json/io.hpp"
+#include "controller/campaign/pointer.hpp"
+#include "dem_templates/geometry/machine.hpp"
+
+namespace granary::campaign {
+namespace {
+
+using Kernel = pbm::Aggregation::Kernel;
+using Mode = CouplingSettings::Mode;
+
+/// Adds problems of one campaign, with the value at the place as it was written.
+class Checker {
+ public:
+  Checker(const Campaign& campaign, json::Problems& problems)
+      : campaign_(campaign), file_(campaign.file.string()), problems_(problems) {}
+
+  /// Whether none of these settings (nor the sections they are in, nor anything in them) has a problem yet.
+  bool sound(std::initializer_list<std::string> pointers) const {
+    for (const json::Problem& problem : problems_.list())
+      for (const std::string& pointer : pointers)
+        if (problem.file == file_ && (is_within(problem.pointer, pointer) || is_within(pointer, problem.pointer))) return false;
+    return true;
+  }
+
+  void add(const std::string& pointer, std::string message, std::string hint) {
+    const json::Value* found = find(campaign_.document, pointer);
+    const std::string value = found == nullptr || found->is_object() || found->is_array() ? "" : json::dump(*found);
+    problems_.add({file_, pointer, value, std::move(message), std::move(hint)});
+  }
+
+ private:
+  const Campaign& campaign_;
+  std::string file_;
+  json::Problems& problems_;
+};
+
+bool needs_dem(const pbm::PbmCase& balance) {
+  const bool rates = balance.aggregation && balance.aggregation->kernel == Kernel::dem;
+  const bool impacts = balance.breakage && balance.breakage->selection == pbm::Breakage::Selection::impact;
+  return rates || impacts;
+}
+
+void check_mode(const Campaign& campaign, Checker& checker) {
+  if (!checker.sound({"/coupling/mode", "/pbm/aggregation", "/pbm/breakage"})) return;
+  const pbm::PbmCase& balance = campaign.pbm_case;
+  if (campaign.coupling.mode != Mode::pbm_only) {
+    if (!needs_dem(balance))
+      checker.add("/coupling/mode", "nothing of the PBM takes anything from the DEM.",
+                  R"(Give /pbm/aggregation a "dem" kernel or /pbm/breakage an "impact" selection, or set the mode to "pbm-only".)");
+    return;
+  }
+  if (balance.aggregation && balance.aggregation->kernel == Kernel::dem)
+    checker.add("/pbm/aggregation/kernel", "it takes its rates from a DEM, and in the mode \"pbm-only\" there is none.",
+                "Use shear, constant, sum or product.");
+  if (balance.aggregation && balance.aggregation->efficiency.model == pbm::Efficiency::Model::stokes)
+    checker.add("/pbm/aggregation/efficiency/model", "stokes needs the collision speeds of a DEM, and in the mode \"pbm-only\" there is none.",
+                "Use constant or wet.");
+  if (balance.breakage && balance.breakage->selection == pbm::Breakage::Selection::impact)
+    checker.add("/pbm/breakage/selection", "it takes impacts from a DEM, and in the mode \"pbm-only\" there is none.",
+                "Use constant or linear.");
+}
+
+void check_machine(const Campaign& campaign, Checker& checker) {
+  const dem::Machine& machine = campaign.dem_case.machine;
+  const auto narrower = [&](const char* inner, double inner_value, const char* outer, double outer_value) {
+    const std::string place = std::string("/machine/") + inner, other = std::string("/machine/") + outer;
+    if (checker.sound({place, other}) && !(inner_value < outer_value))
+      checker.add(place, fmt::format("it must be smaller than the {} of {:g} m.", outer, outer_value), "See " + other + ".");
+  };
+  if (machine.type == dem::Machine::Type::cm5) {
+    const dem::HorizontalMixer& mixer = machine.mixer;
+    narrower("shaft_diameter", mixer.shaft_diameter, "impeller_diameter", mixer.impeller_diameter);
+    narrower("impeller_diameter", mixer.impeller_diameter, "inlet_diameter", mixer.inlet_diameter);
+    narrower("shaft_length", mixer.shaft_length, "length", mixer.length);
+  } else {
+    const dem::BatchBowl& bowl = machine.bowl;
+    narrower("impeller_diameter", bowl.impeller_diameter, "bottom_diameter", bowl.bottom_diameter);
+    narrower("cylinder_height", bowl.cylinder_height, "cover_height", bowl.cover_height);
+    narrower("cover_height", bowl.cover_height, "lid_height", bowl.lid_height);
+    if (checker.sound({"/machine/compartments"}) && campaign.pbm_case.compartments.count != 1)
+      checker.add("/machine/compartments", "a batch_bowl is one well-mixed compartment.", "Set it to 1 or leave it out.");
+  }
+}
+
+void check_meshes(const Campaign& campaign, Checker& checker) {
+  const dem::Machine& machine = campaign.dem_case.machine;
+  const auto mesh = [&](const char* pointer, const std::optional<std::filesystem::path>& file, bool shell) {
+    if (!file || !checker.sound({pointer})) return;
+    dem::Machine only = machine;
+    (shell ? only.impeller_stl : only.shell_stl).reset();
+    if (const auto read = dem::bodies(only); !read)
+      checker.add(pointer, read.error().message, "Relative paths start at the workflow's folder.");
+  };
+  mesh("/machine/shell_stl", machine.shell_stl, true);
+  mesh("/machine/impeller_stl", machine.impeller_stl, false);
+}
+
+void check_flow(const Campaign& campaign, Checker& checker) {
+  const pbm::PbmCase& balance = campaign.pbm_case;
+  if (!checker.sound({"/feed", "/charge", "/process"})) return;
+  const bool batch = campaign.dem_case.machine.type == dem::Machine::Type::batch_bowl;
+  if (batch && (balance.feed || balance.compartments.residence_time)) {
+    checker.add(balance.feed ? "/feed" : "/process/residence_time", "nothing flows through a batch_bowl.", "Remove it, and give a charge.");
+    return;
+  }
+  if (balance.feed && !balance.compartments.residence_time)
+    checker.add("/process/residence_time", "there is a feed, so it must be given: nothing would ever leave.", "For example \"49 s\".");
+  if (!balance.feed && balance.initial.empty())
+    checker.add("/process/initial", "there is neither a feed nor anything to start from.", "Give a feed or a charge.");
+  if (balance.feed && balance.feed->start >= campaign.duration)
+    checker.add("/feed/start", fmt::format("the process is over at {:g} s.", campaign.duration), "See /process/duration.");
+  if (balance.spray && checker.sound({"/spray"}) && balance.spray->start >= campaign.duration)
+    checker.add("/spray/start", fmt::format("the process is over at {:g} s.", campaign.duration), "See /process/duration.");
+}
+
+void check_times(const Campaign& campaign, Checker& checker) {
+  const auto at_most = [&](const std::string& shorter, double value, const std::string& longer, double bound) {
+    if (checker.sound({shorter, longer}) && value > bound)
+      checker.add(shorter, fmt::format("{:g} s is longer than the {:g} s of {}.", value, bound, longer),
+                  "Shorten the one or lengthen the other.");
+  };
+  const pbm::PbmCase& balance = campaign.pbm_case;
+  at_most("/pbm/output_every", balance.output_every, "/pbm/longest_burst", campaign.pbm.longest_burst);
+  at_most("/pbm/output_every", balance.output_every, "/process/duration", campaign.duration);
+  if (campaign.coupling.mode == Mode::pbm_only) return;
+  const dem::DemCase& dem = campaign.dem_case;
+  at_most("/dem/tally_window", dem.tally.window, "/dem/longest_burst", campaign.dem.longest_burst);
+  at_most("/dem/time_step", dem.time_step * dem.tally.every, "/dem/tally_window", dem.tally.window);
+  at_most("/coupling/grace", campaign.coupling.grace, "/dem/longest_burst", campaign.dem.longest_burst);
+}
+
+void check_rounds(const Campaign& campaign, Checker& checker) {
+  const CouplingSettings& coupling = campaign.coupling;
+  if (checker.sound({"/coupling/least_rounds", "/coupling/most_rounds"}) && coupling.least_rounds > coupling.most_rounds)
+    checker.add("/coupling/least_rounds", fmt::format("it is more than the {} of /coupling/most_rounds.", coupling.most_rounds),
+                "Lower the one or raise the other.");
+  if (checker.sound({"/pbm/ranks", "/machine/compartments"}) && campaign.pbm.ranks > campaign.pbm_case.compartments.count)
+    checker.add("/pbm/ranks",
+                fmt::format("it is more than the {} of /machine/compartments; a compartment is not divided.",
+                            campaign.pbm_case.compartments.count),
+                "Use fewer ranks and more /pbm/threads.");
+}
+
+}  // namespace
+
+void check_together(const Campaign& campaign, json::Problems& problems) {
+  Checker checker(campaign, problems);
+  check_mode(campaign, checker);
+  check_machine(campaign, checker);
+  check_meshes(campaign, checker);
+  check_flow(campaign, checker);
+  check_times(campaign, checker);
+  check_rounds(campaign, checker);
+}
+
+void check_cores(const Campaign& campaign, int nodes, int cores_per_node, json::Problems& problems) {
+  Checker checker(campaign, problems);
+  const int cores = nodes * cores_per_node;
+  const std::string there = nodes == 1 ? fmt::format("the {} there are", cores)
+                                       : fmt::format("the {} there are ({} nodes of {})", cores, nodes, cores_per_node);
+  const std::string hint = "Lower it, or give more in /resources/cores.";
+  if (campaign.coupling.mode != Mode::pbm_only && campaign.dem_case.ranks > cores && checker.sound({"/dem/ranks", "/resources"}))
+    checker.add("/dem/ranks", fmt::format("a DEM burst needs {} cores, more than {}.", campaign.dem_case.ranks, there), hint);
+  if (!checker.sound({"/pbm/ranks", "/pbm/threads", "/resources"})) return;
+  if (campaign.pbm.threads > cores_per_node)
+    checker.add("/pbm/threads", fmt::format("the threads of a rank share a node, and a node has {} cores.", cores_per_node), hint);
+  else if (campaign.pbm.ranks * campaign.pbm.threads > cores)
+    checker.add("/pbm/ranks", fmt::format("a PBM burst needs {} cores ({} ranks of {} threads), more than {}.",
+                                          campaign.pbm.ranks * campaign.pbm.threads, campaign.pbm.ranks, campaign.pbm.threads, there), hint);
+}
+
+}  // namespace granary::campaign

@@ -1,0 +1,15 @@
+// Rules between settings that are each fine by themselves. Private to controller/campaign.
+#pragma once
+
+#include "common/json/problems.hpp"
+#include "controller/campaign/campaign.hpp"
+
+namespace granary::campaign {
+
+/// Adds what does not fit together. A rule over a setting that already has a problem is left out: its value is only a default.
+void check_together(const Campaign& campaign, json::Problems& problems);
+
+/// Whether every task fits on so many nodes of so many cores.
+void check_cores(const Campaign& campaign, int nodes, int cores_per_node, json::Problems& problems);
+
+}  // namespace granary::campaign

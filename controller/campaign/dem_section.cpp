@@ -1,0 +1,73 @@
+// dem: how many particles stand for the powder, how they are stepped and watched.
+#include "common/json/reader.hpp"
+#include "controller/campaign/sections.hpp"
+
+namespace granary::campaign {
+namespace {
+
+using json::Range;
+
+bool is_prime(std::int64_t n) {
+  for (std::int64_t d = 2; d * d <= n; ++d)
+    if (n % d == 0) return false;
+  return n > 1;
+}
+
+void read_guard(json::Reader reader, dem::Guard& guard) {
+  guard.largest_overlap = reader.number_or("largest_overlap", guard.largest_overlap, {0.0, 1.0, false, true});
+  guard.energy_factor = reader.number_or("energy_factor", guard.energy_factor, Range::positive());
+  guard.lost_fraction = reader.number_or("lost_fraction", guard.lost_fraction, Range::fraction());
+  reader.done();
+}
+
+/// LIGGGHTS' insertion takes only prime seeds above 10000, and says so only once it runs.
+void read_seed(json::Reader& reader, long& seed) {
+  constexpr std::int64_t kLeast = 10000;
+  seed = reader.integer_or("seed", seed, Range::between(1, 2147483647));
+  if (seed > kLeast && is_prime(seed)) return;
+  std::int64_t next = std::max<std::int64_t>(seed, kLeast + 1);
+  while (!is_prime(next)) ++next;
+  reader.problem("seed", "it must be a prime number above 10000.", "The next one is " + std::to_string(next) + ".");
+}
+
+void read_scaling(json::Reader& reader, DemSettings& dem) {
+  dem.particles = reader.integer_or("particles", dem.particles, Range::between(1, 1e9));
+  if (!is_auto(reader, "coarse_graining")) {
+    const json::Value* written = reader.raw("coarse_graining");
+    if (written->is_number()) dem.coarse_graining = reader.number_or("coarse_graining", 1.0, Range::at_least(1.0));
+    else reader.problem("coarse_graining", "it must be \"auto\" or a number >= 1.");
+  }
+  if (!is_auto(reader, "particle_density"))
+    dem.density = reader.quantity_or("particle_density", 1000.0, "kg/m^3", Range::positive());
+  const std::string law = reader.choice_or("carry_back", "orthokinetic", {"orthokinetic", "equal_speed"});
+  dem.carry_back = law == "orthokinetic" ? DemSettings::CarryBack::orthokinetic : DemSettings::CarryBack::equal_speed;
+  dem.size_classes = static_cast<int>(reader.integer_or("size_classes", dem.size_classes, Range::between(1, 64)));
+  dem.fine_cut = reader.number_or("fine_cut", dem.fine_cut, {0.0, 1.0, true, false});
+  if (!is_auto(reader, "largest_diameter"))
+    dem.largest_diameter = reader.quantity_or("largest_diameter", 0.0, "m", Range::positive());
+}
+
+}  // namespace
+
+void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) {
+  json::Reader reader = section_or_empty(root, "dem", problems);
+  DemSettings& dem = campaign.dem;
+  dem::DemCase& base = campaign.dem_case;
+  read_scaling(reader, dem);
+  base.coarse_graining = dem.coarse_graining.value_or(base.coarse_graining);
+  base.density = dem.density.value_or(base.density);
+
+  base.time_step = reader.quantity_or("time_step", base.time_step, "s", Range::positive());
+  base.settle_time = reader.quantity_or("settle", base.settle_time, "s", Range::not_negative());
+  base.tally.window = reader.quantity_or("tally_window", base.tally.window, "s", Range::positive());
+  base.tally.every = static_cast<int>(reader.integer_or("tally_every", base.tally.every, Range::between(1, 10000)));
+  dem.longest_burst = reader.quantity_or("longest_burst", dem.longest_burst, "s", Range::positive());
+  base.duration = dem.longest_burst;
+  if (reader.boolean_or("feed", true)) base.feed_rate = campaign.feed_rate;
+  read_guard(section_or_empty(reader, "guard", problems), base.guard);
+  read_seed(reader, base.seed);
+  base.ranks = static_cast<int>(reader.integer_or("ranks", base.ranks, Range::between(1, 100000)));
+  reader.done();
+}
+
+}  // namespace granary::campaign
