@@ -1,0 +1,52 @@
+#include "pbm_solver/model/selection_function.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "common/units.hpp"
+
+namespace granary::pbm {
+
+double breakage_speed(const Breakage& breakage, double viscosity, double density, double porosity) {
+  if (!(porosity > 0.0)) return std::numeric_limits<double>::infinity();
+  const double packing = (1.0 - porosity) / porosity;
+  return 2.0 * breakage.critical_stokes_deformation / density * 9.0 / 8.0 * packing * packing * 9.0 * kPi * viscosity /
+         (16.0 * breakage.primary_diameter);
+}
+
+double share_faster(const SpeedDistribution& speeds, double speed) {
+  return 0.5 * std::erfc((std::log(speed) - speeds.ln_mean) / (speeds.ln_sigma * std::sqrt(2.0)));
+}
+
+SelectionFunction::SelectionFunction(const PbmCase& c, int compartment)
+    : breakage_(*c.breakage), viscosity_(c.materials.liquid_viscosity), reference_volume_(c.reference_volume) {
+  if (breakage_.selection != Breakage::Selection::impact) return;
+  if (!c.dem->compartment_factor.empty()) factor_ = c.dem->compartment_factor[static_cast<std::size_t>(compartment)];
+  impact_rate_ = c.dem->impact_rate;
+  impact_speed_ = c.dem->impact_speed;
+  for (const double d : c.dem->diameter) ln_diameter_.push_back(std::log(d));
+}
+
+double SelectionFunction::impact_rate(const ActiveClasses& classes, std::size_t p) const {
+  const ClassPosition at = position_of(ln_diameter_, classes.diameter[p]);
+  const double low = impact_rate_[static_cast<std::size_t>(at.lower)];
+  if (at.to_upper == 0.0) return factor_ * low;
+  return factor_ * ((1.0 - at.to_upper) * low + at.to_upper * impact_rate_[static_cast<std::size_t>(at.lower) + 1]);
+}
+
+double SelectionFunction::operator()(const ActiveClasses& classes, std::size_t p) const {
+  switch (breakage_.selection) {
+    case Breakage::Selection::constant:
+      return breakage_.rate;
+    case Breakage::Selection::linear:
+      return breakage_.rate * classes.solid[p] / reference_volume_;
+    case Breakage::Selection::impact: {
+      const double density = 1.0 / (classes.inverse_mass[p] * classes.volume[p]);
+      const double speed = breakage_speed(breakage_, viscosity_, density, classes.porosity[p]);
+      return breakage_.rate * impact_rate(classes, p) * share_faster(impact_speed_, speed);
+    }
+  }
+  return 0.0;
+}
+
+}  // namespace granary::pbm
