@@ -45,18 +45,13 @@ std::string ready(const Task& task, const Table& table, const Resources& resourc
 }
 
 std::string attempt_line(const Attempt& attempt, double now, bool active, TaskState state) {
-  const double cores = attempt.pieces.empty() ? 0.0 : static_cast<double>(attempt.pieces.front().cores.size());
-  std::string text = fmt::format("attempt {}: {} for {:.3g} s on core(s) {} from {:.3f} s", attempt.number,
-                                 active ? name_of(state) : name_of(attempt.outcome), attempt.ran(now),
-                                 attempt.pieces.empty() ? "" : fmt::format("{}", fmt::join(attempt.pieces.back().cores, ",")),
-                                 attempt.start);
-  if (attempt.pieces.empty() || attempt.pieces.back().cores.empty()) {
-    text = fmt::format("attempt {}: {} for {:.3g} s, on no core of its own, from {:.3f} s", attempt.number,
-                       active ? name_of(state) : name_of(attempt.outcome), attempt.ran(now), attempt.start);
-  }
+  const std::vector<int>& cores = attempt.pieces.back().cores;
+  const std::string where = cores.empty() ? "no core of its own" : fmt::format("core(s) {}", fmt::join(cores, ","));
+  std::string text = fmt::format("attempt {}: {} for {:.3g} s on {} from {:.3f} s", attempt.number,
+                                 name_of(active ? state : attempt.outcome), attempt.ran(now), where, attempt.start);
   if (attempt.pieces.size() > 1) text += fmt::format(", gave way {} time(s)", attempt.pieces.size() - 1);
   if (active && attempt.pid > 0) text += fmt::format(", pid {}", attempt.pid);
-  if (!active) text += fmt::format("; {:.3g} core seconds, {:.3g} s of CPU", attempt.ran(now) * cores, attempt.cpu_s);
+  if (!active) text += fmt::format("; {:.3g} core seconds, {:.3g} s of CPU", attempt.ran(now) * static_cast<double>(cores.size()), attempt.cpu_s);
   if (!attempt.reason.empty()) text += "; " + attempt.reason;
   return text;
 }
