@@ -89,6 +89,16 @@ std::size_t Value::size() const {
   return 0;
 }
 
+const Array& Value::items_or_none() const {
+  static const Array none;
+  return is_array() ? items() : none;
+}
+
+const std::vector<Member>& Value::members_or_none() const {
+  static const std::vector<Member> none;
+  return is_object() ? members() : none;
+}
+
 double Value::number_or(std::string_view key, double otherwise) const {
   const Value* found = find(key);
   return found != nullptr && found->is_number() ? found->as_number() : otherwise;

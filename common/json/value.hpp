@@ -65,6 +65,10 @@ class Value {
   Value& push(Value value);
   std::size_t size() const;
 
+  /// The items or members; none if this is of another kind.
+  const Array& items_or_none() const;
+  const std::vector<Member>& members_or_none() const;
+
   // For files of our own making, where a missing member just takes the default.
   double number_or(std::string_view key, double otherwise) const;
   std::int64_t integer_or(std::string_view key, std::int64_t otherwise) const;
