@@ -1,0 +1,34 @@
+// The commands of `granary`: each takes what the command line says and returns the exit code. Results go to stdout, progress
+// and errors to stderr.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace granary::commands {
+
+struct RunOptions {
+  std::filesystem::path workflow;
+  std::filesystem::path dir;           ///< run directory; empty: runs/NAME, or the first free runs/NAME-2, ...
+  int cores = 0;                       ///< 0: the workflow's, or all of the machine
+  int nodes = 0;                       ///< dry run only; 0: the workflow's
+  bool dry_run = false;
+  bool json = false;
+  bool quiet = false;
+  std::vector<std::string> overrides;  ///< "/pointer=value"
+};
+
+Result<Exit> run(const RunOptions& options);
+Result<Exit> dry_run(const RunOptions& options);
+Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet);
+
+Result<Exit> validate(const std::vector<std::filesystem::path>& workflows, const std::vector<std::string>& overrides);
+Result<Exit> status(const std::filesystem::path& dir, bool json);
+Result<Exit> stop(const std::filesystem::path& dir);
+Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
+Result<Exit> report(const std::filesystem::path& dir);
+
+}  // namespace granary::commands

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "common/json/io.hpp"
+#include "controller/campaign/campaign.hpp"
+#include "controller/commands/commands.hpp"
+#include "controller/coupling/update.hpp"
+#include "controller/report/report.hpp"
+#include "controller/run/file_handover.hpp"
+#include "pilot/control/control.hpp"
+#include "pilot/launch/simulated_launcher.hpp"
+#include "pilot/loop/virtual_loop.hpp"
+#include "pilot/pilot.hpp"
+
+namespace granary::commands {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A campaign whose pilot is not alive, as its journal tells it. Nothing is started or written: the journal is a copy in memory.
+struct Past {
+  pilot::VirtualLoop loop;
+  pilot::Journal journal = pilot::Journal::in_memory();
+  pilot::SimulatedLauncher launcher{loop, [](const pilot::TaskSpec&) { return pilot::SimulatedRun{}; }};
+  std::unique_ptr<pilot::Pilot> pilot;
+  coupling::State coupling;
+};
+
+Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
+  if (!fs::exists(dir / "journal.jsonl")) return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
+  GRANARY_TRY(const auto content, pilot::read_journal(dir / "journal.jsonl"));
+  GRANARY_TRY(const auto campaign, campaign::read_written_campaign(dir / "campaign.json"));
+  auto past = std::make_unique<Past>();
+  const auto settings = run::coupling_settings(campaign);
+  for (const pilot::Record& record : content.records) {
+    GRANARY_CHECK(past->journal.append(record.kind, record.payload));
+    if (record.kind != "coupling.event") continue;
+    GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
+    past->coupling = coupling::update(past->coupling, event, settings).next;
+  }
+  const auto machine = pilot::stated_machine(1, campaign.resources.cores.value_or(1024));
+  GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));
+  return past;
+}
+
+}  // namespace
+
+Result<Exit> validate(const std::vector<fs::path>& workflows, const std::vector<std::string>& overrides) {
+  std::string problems;
+  for (const fs::path& workflow : workflows) {
+    if (const auto campaign = campaign::read_campaign(workflow, overrides)) {
+      fmt::print("{}: valid ({})\n", workflow.string(), campaign->name);
+    } else {
+      if (campaign.error().exit != Exit::bad_input) return campaign.error();
+      problems += (problems.empty() ? "" : "\n") + campaign.error().message;
+    }
+  }
+  if (!problems.empty()) return Error{problems};
+  return Exit::ok;
+}
+
+Result<Exit> status(const fs::path& dir, bool json) {
+  const bool alive = pilot::pilot_is_alive(dir);
+  json::Value status;
+  if (alive) {
+    GRANARY_TRY(status, pilot::ask_pilot(dir, json::Value::object({{"ask", "status"}})));
+  } else {
+    GRANARY_TRY(const auto past, past_of(dir));
+    status = past->pilot->status();
+    status.set("coupling", coupling::to_json(past->coupling));
+  }
+  status.set("alive", alive);
+  if (json) {
+    fmt::print("{}\n", json::dump(status, 1));
+    return Exit::ok;
+  }
+  fmt::print("{}: {}\n", dir.string(), alive ? "running" : "no pilot is alive here");
+  for (const auto& [state, count] : status["counts"].members_or_none()) fmt::print("  {:<10} {}\n", state, count.as_integer());
+  if (alive)
+    fmt::print("  cores busy {} of {}, {:.1f} s\n", status.integer_or("busy_cores", 0), status.integer_or("cores", 0), status.number_or("time_s", 0.0));
+  for (const json::Value& task : status["tasks"].items_or_none())
+    fmt::print("  {:<24} {:<10} attempt {} {:.1f} s\n", task.text_or("name", ""), task.text_or("state", ""), task.integer_or("attempt", 1),
+               task.number_or("seconds", 0.0));
+  const json::Value& coupling = status["coupling"];
+  if (coupling.is_object())
+    fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""), coupling.text_or("burst", ""),
+               coupling.number_or("process_clock_s", 0.0), coupling.number_or("dem_clock_s", 0.0));
+  if (!alive && coupling.text_or("ended", "").empty()) fmt::print("  go on with: granary resume {}\n", dir.string());
+  return Exit::ok;
+}
+
+Result<Exit> stop(const fs::path& dir) {
+  GRANARY_TRY(const auto answer, pilot::ask_pilot(dir, json::Value::object({{"ask", "stop"}, {"reason", "stopped by the user"}})));
+  fmt::print("{}: stopping; its tasks end gracefully. Go on later with: granary resume {}\n", dir.string(), dir.string());
+  return Exit::ok;
+}
+
+Result<Exit> explain(const fs::path& dir, const std::string& task) {
+  if (pilot::pilot_is_alive(dir)) {
+    GRANARY_TRY(const auto answer, pilot::ask_pilot(dir, json::Value::object({{"ask", "explain"}, {"task", task}})));
+    fmt::print("{}\n", answer.text_or("text", ""));
+    return Exit::ok;
+  }
+  GRANARY_TRY(const auto past, past_of(dir));
+  GRANARY_TRY(const std::string text, past->pilot->explain(task));
+  fmt::print("{}\n", text);
+  return Exit::ok;
+}
+
+Result<Exit> report(const fs::path& dir) {
+  GRANARY_CHECK(report::write_report(dir / "results.h5", dir / "report.html"));
+  fmt::print("{}\n", (dir / "report.html").string());
+  return Exit::ok;
+}
+
+}  // namespace granary::commands

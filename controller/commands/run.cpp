@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <optional>
+
+#include "common/files.hpp"
+#include "common/json/io.hpp"
+#include "common/log.hpp"
+#include "controller/campaign/campaign.hpp"
+#include "controller/commands/commands.hpp"
+#include "controller/report/report.hpp"
+#include "controller/run/collect.hpp"
+#include "controller/run/progress.hpp"
+#include "controller/run/provenance.hpp"
+#include "controller/run/summary.hpp"
+#include "pilot/control/control.hpp"
+#include "pilot/control/run_lock.hpp"
+#include "pilot/launch/local_launcher.hpp"
+#include "pilot/loop/real_loop.hpp"
+#include "pilot/task_list.hpp"
+
+namespace granary::commands {
+namespace fs = std::filesystem;
+using campaign::Campaign;
+
+namespace {
+
+/// runs/NAME, or the first of runs/NAME-2, runs/NAME-3, ... that is free.
+fs::path free_folder(const std::string& name) {
+  fs::path folder = fs::path("runs") / name;
+  for (int n = 2; fs::exists(folder); ++n) folder = fs::path("runs") / fmt::format("{}-{}", name, n);
+  return folder;
+}
+
+/// Everything a live campaign is made of, in the order it must be torn down.
+struct Session {
+  fs::path dir;
+  Campaign campaign;
+  pilot::Machine machine;
+  pilot::RunLock lock;
+  pilot::Journal journal;
+  pilot::RealLoop loop;
+  pilot::LocalLauncher launcher;
+  std::unique_ptr<pilot::Pilot> pilot;
+
+  Session(fs::path run_dir, Campaign understood, pilot::Machine cores, pilot::RunLock held, pilot::Journal opened)
+      : dir(std::move(run_dir)), campaign(std::move(understood)), machine(std::move(cores)), lock(std::move(held)),
+        journal(std::move(opened)), launcher(loop, machine) {}
+};
+
+Result<std::unique_ptr<Session>> open_session(const fs::path& dir, Campaign campaign, int cores) {
+  GRANARY_TRY(pilot::Machine machine, pilot::local_machine(cores > 0 ? cores : campaign.resources.cores.value_or(0)));
+  GRANARY_CHECK(campaign::check_resources(campaign, 1, machine.n_cores()));
+  GRANARY_TRY(pilot::RunLock lock, pilot::RunLock::take(dir));
+  GRANARY_TRY(pilot::Journal journal, pilot::Journal::open(dir / "journal.jsonl"));
+  if (journal.dropped_bytes() > 0)
+    log::warning("journal", fmt::format("{} bytes of a torn last record were dropped", journal.dropped_bytes()));
+  auto session = std::make_unique<Session>(dir, std::move(campaign), std::move(machine), std::move(lock), std::move(journal));
+  GRANARY_TRY(session->pilot, pilot::Pilot::open({dir, session->machine}, session->loop, session->launcher, session->journal));
+  return session;
+}
+
+double first_wall_time(const pilot::Journal& journal, double otherwise) {
+  return journal.records().empty() ? otherwise : journal.records().front().wall_time;
+}
+
+/// Results and report of all bursts that are over, whatever the campaign's end.
+Result<CampaignResults> finish(Session& session, const run::FileHandover& handover, const run::CampaignRun& campaign_run) {
+  run::RunRecord record;
+  record.state = campaign_run.state();
+  record.ends = session.pilot->ends();
+  record.timeline = session.pilot->timeline();
+  record.cores = session.machine.n_cores();
+  record.wall = session.pilot->now();
+  record.started = run::iso_time(first_wall_time(session.journal, session.loop.wall_time() - session.loop.now()));
+  record.finished = run::iso_time(session.loop.wall_time());
+  GRANARY_TRY(CampaignResults results, run::collect(session.campaign, handover, session.dir, record));
+  GRANARY_CHECK(write_results(results, session.dir / "results.h5"));
+  if (session.campaign.outputs.report) GRANARY_CHECK(report::write_report(session.dir / "results.h5", session.dir / "report.html"));
+  return results;
+}
+
+/// SIGINT and SIGTERM ask for a graceful stop; a second one ends the tasks without grace.
+void stop_on_signals(Session& session, std::function<void(const std::string&)> ask_stop) {
+  session.loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&session, ask_stop = std::move(ask_stop), asked = false](int signal) mutable {
+    if (std::exchange(asked, true)) return session.loop.stop();
+    ask_stop(signal == SIGINT ? "interrupted by the user" : fmt::format("signal {}", signal));
+  });
+}
+
+Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
+  run::FileHandover handover(session.campaign, session.dir, program_folder());
+  run::Progress progress(session.loop, session.dir, quiet);
+  run::CampaignRun campaign_run(run::coupling_settings(session.campaign), handover, *session.pilot, session.loop, session.journal,
+                                progress.watcher());
+  session.pilot->on_idle([&] {
+    if (campaign_run.ended() || campaign_run.failure() || session.pilot->failure()) session.loop.stop();
+  });
+  const auto ask_stop = [&](const std::string& message) { campaign_run.ask_stop(message); };
+  stop_on_signals(session, ask_stop);
+  GRANARY_TRY(const auto server, pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
+                if (request.text_or("ask", "") == "stop" && request["task"].is_null()) {
+                  ask_stop(request.text_or("reason", "stopped by the user"));
+                  return json::Value::object({{"stopping", true}});
+                }
+                json::Value answer = session.pilot->answer(request);
+                if (request.text_or("ask", "") == "status") answer.set("coupling", coupling::to_json(campaign_run.state()));
+                return answer;
+              }));
+  GRANARY_CHECK(campaign_run.begin());
+  session.loop.run();
+  progress.finish();
+  if (session.pilot->failure()) return *session.pilot->failure();
+  if (campaign_run.failure()) return *campaign_run.failure();
+
+  GRANARY_TRY(const CampaignResults results, finish(session, handover, campaign_run));
+  const fs::path results_h5 = session.dir / "results.h5";
+  const fs::path report_html = session.campaign.outputs.report ? session.dir / "report.html" : fs::path();
+  if (json) {
+    fmt::print("{}\n", json::dump(run::summary_json(results, results_h5, report_html), 1));
+  } else {
+    fmt::print("{}", run::summary_text(results, results_h5, report_html));
+  }
+  if (campaign_run.exit() == Exit::stopped) fmt::print(stderr, "stopped; go on with: granary resume {}\n", session.dir.string());
+  if (campaign_run.exit() == Exit::task_failed)
+    return Error{fmt::format("{}: {}", session.dir.string(), campaign_run.state().why_ended.message), Exit::task_failed};
+  return campaign_run.exit();
+}
+
+Result<Exit> run_tasks(Session& session, bool json) {
+  stop_on_signals(session, [&](const std::string& message) { session.pilot->stop_all(message); });
+  GRANARY_TRY(const auto server, pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
+                return session.pilot->answer(request);
+              }));
+  GRANARY_TRY(const pilot::TaskListSummary summary, pilot::run_task_list(session.campaign.tasks, *session.pilot, session.loop));
+  if (json) {
+    fmt::print("{}\n", json::dump(summary.json(), 1));
+  } else {
+    fmt::print("{}", run::timeline_text(session.pilot->timeline(), session.pilot->usage()));
+    fmt::print("{} finished, {} failed, {} stopped, {} not started, {:.2f} s\n", summary.finished, summary.failed, summary.stopped,
+               summary.not_started, summary.seconds);
+  }
+  std::string failures;
+  for (const pilot::TaskEnd& end : summary.ends)
+    if (end.state == pilot::TaskState::failed) failures += (failures.empty() ? "" : "\n") + end.name + ": " + end.reason;
+  if (!failures.empty()) return Error{failures, summary.exit};
+  return summary.exit;
+}
+
+Result<Exit> run_session(Session& session, bool json, bool quiet) {
+  return session.campaign.kind == campaign::Kind::tasks ? run_tasks(session, json) : run_coupled(session, json, quiet);
+}
+
+}  // namespace
+
+Result<Exit> run(const RunOptions& options) {
+  if (options.dry_run) return dry_run(options);
+  GRANARY_TRY(Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
+  const fs::path dir = fs::absolute(options.dir.empty() ? free_folder(campaign.name) : options.dir).lexically_normal();
+  if (fs::exists(dir / "journal.jsonl"))
+    return Error{fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.", dir.string(),
+                             dir.string())};
+  GRANARY_CHECK(make_folders(dir));
+  if (!options.quiet) fmt::print(stderr, "{} -> {}\n", options.workflow.string(), dir.string());
+  // Before the journal: a resume must find the workflow as it was understood.
+  GRANARY_CHECK(json::write_file(dir / "campaign.json", campaign::to_json(campaign)));
+  GRANARY_TRY(const auto session, open_session(dir, std::move(campaign), options.cores));
+  return run_session(*session, options.json, options.quiet);
+}
+
+Result<Exit> resume(const fs::path& dir, bool json, bool quiet) {
+  const fs::path absolute = fs::absolute(dir).lexically_normal();
+  if (!fs::exists(absolute / "journal.jsonl"))
+    return Error{fmt::format("{}: no campaign is there (no journal.jsonl). Start one: granary run WORKFLOW --dir {}", dir.string(), dir.string())};
+  GRANARY_TRY(Campaign campaign, campaign::read_written_campaign(absolute / "campaign.json"));
+  GRANARY_TRY(const auto session, open_session(absolute, std::move(campaign), 0));
+  return run_session(*session, json, quiet);
+}
+
+}  // namespace granary::commands

@@ -1,0 +1,82 @@
+// granary: the command line. What each command does is in commands/.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+
+#include "common/version.hpp"
+#include "controller/commands/commands.hpp"
+
+namespace {
+
+using granary::Exit;
+using granary::Result;
+namespace commands = granary::commands;
+namespace fs = std::filesystem;
+
+constexpr const char* kExamples = R"(
+Examples:
+  granary validate workflows/quick.json
+  granary run workflows/quick.json                      run here, in runs/quick
+  granary run workflows/cm5.json --dry-run --nodes 4 --cores 64
+  granary run workflows/quick.json --set /pbm/bins=[32,32] --set '/machine/impeller_speed="1500 rpm"'
+  granary status runs/quick      granary stop runs/quick      granary resume runs/quick
+
+Exit codes: 0 done, 2 bad input, 3 a task failed for good, 4 stopped and resumable, 70 our own fault.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Granary: one JSON workflow, one block of cores, DEM and population balances coupled both ways.", "granary"};
+  app.footer(kExamples);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", fmt::format("granary {} ({})", granary::version(), granary::revision()));
+  std::function<Result<Exit>()> chosen;
+
+  commands::RunOptions options;
+  auto* run = app.add_subcommand("run", "Run a workflow to its end");
+  run->add_option("workflow", options.workflow, "The workflow, a JSON file")->required();
+  run->add_option("--dir", options.dir, "Run directory (default: runs/NAME)");
+  run->add_option("--cores", options.cores, "Cores (of a node) to use (default: the workflow's, else all)")->check(CLI::PositiveNumber);
+  run->add_option("--nodes", options.nodes, "Nodes of the machine to assume (dry run only)")->check(CLI::PositiveNumber);
+  run->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
+  run->add_flag("--dry-run", options.dry_run, "The same controller and scheduler on a virtual clock: starts nothing");
+  run->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
+  run->add_flag("-q,--quiet", options.quiet, "No progress");
+  run->callback([&] { chosen = [&] { return commands::run(options); }; });
+
+  std::vector<fs::path> workflows;
+  auto* validate = app.add_subcommand("validate", "Say everything that is wrong with workflows");
+  validate->add_option("workflows", workflows, "Workflows")->required();
+  validate->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
+  validate->callback([&] { chosen = [&] { return commands::validate(workflows, options.overrides); }; });
+
+  fs::path dir;
+  std::string task;
+  const auto on_folder = [&](const char* name, const char* what, std::function<Result<Exit>()> command) {
+    auto* sub = app.add_subcommand(name, what);
+    sub->add_option("dir", dir, "Run directory")->required();
+    sub->callback([&chosen, command = std::move(command)] { chosen = command; });
+    return sub;
+  };
+  on_folder("status", "What runs, what waits, what has ended", [&] { return commands::status(dir, options.json); })
+      ->add_flag("--json", options.json, "Print one JSON document");
+  on_folder("stop", "End a running campaign gracefully, to be resumed", [&] { return commands::stop(dir); });
+  auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash", [&] { return commands::resume(dir, options.json, options.quiet); });
+  resume->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
+  resume->add_flag("-q,--quiet", options.quiet, "No progress");
+  on_folder("explain", "Why a task waits, what it did, what it cost", [&] { return commands::explain(dir, task); })
+      ->add_option("task", task, "Its name, such as 0001-dem")->required();
+  on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(Exit::bad_input);
+  }
+  const auto result = chosen();
+  if (result) return static_cast<int>(*result);
+  fmt::print(stderr, "{}\n", result.error().message);
+  return static_cast<int>(result.error().exit);
+}
