@@ -1,0 +1,37 @@
+#include "dem_templates/plugin/register_styles.hpp"
+
+#include <lammps.h>
+#include <modify.h>
+
+#include "dem_templates/plugin/fix_guard.hpp"
+#include "dem_templates/plugin/fix_outlet.hpp"
+#include "dem_templates/plugin/fix_tally.hpp"
+
+namespace {
+
+// LIGGGHTS 3.8.0 keeps its table of fix styles private and has no plugin command. An explicit instantiation may name a
+// private member, and a friend function defined in the template hands its address out.
+template <auto Member>
+struct Reach {
+  friend auto fix_map_of_modify() { return Member; }
+};
+auto fix_map_of_modify();
+template struct Reach<&LAMMPS_NS::Modify::fix_map>;
+
+template <class Style>
+LAMMPS_NS::Fix* create(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  return new Style(lammps, narg, arg);
+}
+
+}  // namespace
+
+namespace granary::dem {
+
+void register_styles(LAMMPS_NS::LAMMPS& lammps) {
+  auto& styles = *(lammps.modify->*fix_map_of_modify());
+  styles["granary/guard"] = create<FixGuard>;
+  styles["granary/outlet"] = create<FixOutlet>;
+  styles["granary/tally"] = create<FixTally>;
+}
+
+}  // namespace granary::dem
