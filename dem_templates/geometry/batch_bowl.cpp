@@ -16,20 +16,11 @@ constexpr double kBladeThickness = 0.003, kChopperThickness = 0.002;  // [m]
 
 double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
 
+double chopper_width(const BatchBowl& b) { return 0.25 * b.chopper_diameter; }
+
 double blade_top(const BatchBowl& b) {
   const Blade blade = bowl_blades(b).front();
   return 2.0 * blade.centre.z - gap(b);
-}
-
-struct Chopper {
-  Vec3 centre;
-  double shaft_radius;
-};
-
-Chopper chopper_of(const BatchBowl& b) {
-  const double radius = 0.5 * b.chopper_diameter, clearance = 0.002;
-  const double height = std::min(blade_top(b) + radius + clearance, b.lid_height - radius - clearance);
-  return {{0.375 * b.bottom_diameter, 0.0, height}, 0.24 * radius};
 }
 
 }  // namespace
@@ -52,28 +43,36 @@ std::vector<Blade> bowl_blades(const BatchBowl& b) {
   return blades;
 }
 
+BowlShafts bowl_shafts(const BatchBowl& b) {
+  const double radius = 0.5 * b.chopper_diameter, clearance = 0.002;
+  const double height = std::min(blade_top(b) + radius + clearance, b.lid_height - radius - clearance);
+  const double centre = 0.375 * b.bottom_diameter;
+  return {0.1 * b.impeller_diameter, blade_top(b) + clearance, {centre, 0.0, height}, 0.24 * radius,
+          centre - 0.5 * chopper_width(b) - 0.001};
+}
+
 Mesh bowl_impeller(const BatchBowl& b) {
-  const double hub = 0.1 * b.impeller_diameter, top = blade_top(b) + 0.002;
+  const auto [hub, top, chopper, r, from] = bowl_shafts(b);
   Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}}, kShaftAround);
   for (const Blade& form : bowl_blades(b)) append(mesh, blade(form));
   return mesh;
 }
 
-Rotation bowl_chopper_rotation(const BatchBowl& b, double speed) { return {chopper_of(b).centre, Axis::x, speed}; }
+Rotation bowl_chopper_rotation(const BatchBowl& b, double speed) { return {bowl_shafts(b).chopper, Axis::x, speed}; }
 
 Mesh bowl_chopper(const BatchBowl& b) {
-  const Chopper chopper = chopper_of(b);
+  const BowlShafts shafts = bowl_shafts(b);
   Blade form;
   form.axis = Axis::x;
-  form.centre = chopper.centre;
-  form.width = 0.25 * b.chopper_diameter;
+  form.centre = shafts.chopper;
+  form.width = chopper_width(b);
   form.thickness = kChopperThickness;
-  form.root_radius = 0.6 * chopper.shaft_radius;
+  form.root_radius = 0.6 * shafts.chopper_radius;
   form.tip_radius = 0.5 * b.chopper_diameter;
-  const double from = chopper.centre.x - 0.5 * form.width - 0.001, to = 0.5 * b.bottom_diameter + kIntoWall;
+  const double from = shafts.chopper_from, r = shafts.chopper_radius, to = 0.5 * b.bottom_diameter + kIntoWall;
   Mesh mesh = body_of_revolution(
-      Axis::x, {{from, 0.0}, {from, chopper.shaft_radius}, {to, chopper.shaft_radius}, {to, 0.0}}, kShaftAround);
-  for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, chopper.centre.y, chopper.centre.z};
+      Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround);
+  for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, shafts.chopper.y, shafts.chopper.z};
   for (int i = 0; i < b.chopper_blades; ++i) {
     form.angle = 2.0 * kPi * i / b.chopper_blades;
     append(mesh, blade(form));

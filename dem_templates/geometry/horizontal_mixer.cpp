@@ -33,6 +33,8 @@ double casing_radius(const HorizontalMixer& m, double x) {
   return 0.5 * (m.inlet_diameter + (m.outlet_diameter - m.inlet_diameter) * x / m.length);
 }
 
+double casing_corner_radius(const HorizontalMixer& m, double x) { return touching_radius(casing_radius(m, x), kAround); }
+
 MixerPorts mixer_ports(const HorizontalMixer& m) {
   const double pitch = m.shaft_length / (m.feed_elements + m.shear_elements + m.exit_elements);
   MixerPorts ports;
@@ -40,7 +42,7 @@ MixerPorts mixer_ports(const HorizontalMixer& m) {
   ports.chute_to = std::clamp(m.feed_elements * pitch, 0.08 * m.length, 0.25 * m.length);
   ports.outlet_from = std::max(m.shaft_length + 0.1 * (m.length - m.shaft_length), 0.8 * m.length);
   ports.outlet_to = m.length - 0.01 * m.length;
-  ports.chute_top = touching_radius(casing_radius(m, ports.chute_to), kAround) + 0.25 * m.inlet_diameter;
+  ports.chute_top = casing_corner_radius(m, ports.chute_to) + 0.25 * m.inlet_diameter;
   ports.half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kAround);
   return ports;
 }
@@ -82,7 +84,7 @@ Mesh mixer_shell(const HorizontalMixer& m) {
   form.inner.push_back({0.0, 0.0});
   form.outer.push_back({-kWall, 0.0});
   for (std::size_t i = 0; i < x.size(); ++i) {
-    form.inner.push_back({x[i], touching_radius(casing_radius(m, x[i]), kAround)});
+    form.inner.push_back({x[i], casing_corner_radius(m, x[i])});
     double outside = x[i];  // the wall's outside reaches past the ends and around the chute
     if (i == 0 || i == 1) outside -= kWall;
     if (i == 2 || i + 1 == x.size()) outside += kWall;

@@ -39,6 +39,15 @@ std::vector<Blade> mixer_blades(const HorizontalMixer& mixer);
 std::vector<Blade> bowl_blades(const BatchBowl& bowl);
 Rotation bowl_chopper_rotation(const BatchBowl& bowl, double speed);
 
+/// The round parts of the bowl's rotors: the hub around z, up to hub_top, and the chopper's shaft along x, from chopper_from
+/// into the wall. [m]
+struct BowlShafts {
+  double hub_radius, hub_top;
+  Vec3 chopper;
+  double chopper_radius, chopper_from;
+};
+BowlShafts bowl_shafts(const BatchBowl& bowl);
+
 /// Compartments are n slices of equal length across the machine's axis; n + 1 edges [m].
 std::vector<double> compartment_edges(const Machine& machine, int n);
 /// Space for the bed in each compartment: between casing and shaft, less the blades [m^3].

@@ -1,0 +1,227 @@
+#include "dem_templates/render/deck.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "common/files.hpp"
+#include "common/json/io.hpp"
+#include "common/units.hpp"
+#include "dem_templates/geometry/stl.hpp"
+#include "dem_templates/render/regions.hpp"
+#include "dem_templates/render/render.hpp"
+#include "dem_templates/render/time_step.hpp"
+#include "dem_templates/templates.hpp"
+
+namespace granary::dem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr long kGuardEvery = 50;   // steps between the guard's looks
+constexpr long kThermoLines = 20;  // of a burst's log
+
+std::string number(long n) { return fmt::format("{}", n); }
+
+std::string_view axis_name(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
+
+std::string vector_text(Vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+
+long particles_of(const DemCase& c) {
+  long sum = 0;
+  for (const Population& p : c.population)
+    for (long n : p.count) sum += n;
+  return sum;
+}
+
+double mass_of(const DemCase& c) {
+  double sum = 0.0;
+  for (const Population& p : c.population)
+    for (std::size_t i = 0; i < p.diameter.size(); ++i)
+      sum += static_cast<double>(p.count[i]) * c.density * kPi / 6.0 * std::pow(p.diameter[i], 3);
+  return sum + c.feed_rate * (c.settle_time + c.duration);
+}
+
+// Kinetic energy beyond which a burst has diverged: energy_factor times that of all at tip speed and fallen through the machine.
+double energy_bound(const DemCase& c, const Box3& box) {
+  const double tip = tip_speed(c.machine), fall = std::abs(dot(gravity_direction(c.machine), box.high - box.low));
+  return c.guard.energy_factor * mass_of(c) * (0.5 * tip * tip + kGravity * fall);
+}
+
+std::string rolling_style(const DemCase& c) { return c.contact.rolling_friction > 0.0 ? " rolling_friction epsd2" : ""; }
+
+Result<std::string> state_commands(const DemCase& c, const Box3& box) {
+  if (c.restart) return render(templates::restart, "restart.tmpl", {{"restart", c.restart->string()}});
+  return render(templates::empty, "empty.tmpl",
+                {{"xlo", digits(box.low.x)},
+                 {"xhi", digits(box.high.x)},
+                 {"ylo", digits(box.low.y)},
+                 {"yhi", digits(box.high.y)},
+                 {"zlo", digits(box.low.z)},
+                 {"zhi", digits(box.high.z)}});
+}
+
+Result<std::string> material_commands(const Contact& m) {
+  GRANARY_TRY(std::string text, render(templates::materials, "materials.tmpl",
+                                       {{"young_modulus", digits(m.young_modulus)},
+                                        {"wall_young_modulus", digits(m.wall_young_modulus)},
+                                        {"poisson_ratio", digits(m.poisson_ratio)},
+                                        {"restitution", digits(m.restitution)},
+                                        {"friction", digits(m.friction)}}));
+  if (m.rolling_friction > 0.0) {
+    GRANARY_TRY(const std::string rolling,
+                render(templates::rolling, "rolling.tmpl", {{"rolling_friction", digits(m.rolling_friction)}}));
+    text += rolling;
+  }
+  return text;
+}
+
+Result<std::string> wall_commands(const DemCase& c, const std::vector<Body>& all) {
+  std::vector<std::string> meshes, moves, names;
+  for (const Body& body : all) {
+    names.push_back(body.name);
+    meshes.push_back(fmt::format("fix {0} all mesh/surface file meshes/{0}.stl type 2", body.name));
+    if (!body.rotation || body.rotation->speed == 0.0) continue;
+    // `rotate` takes the period of a turn, not a speed.
+    moves.push_back(fmt::format("fix turn_{0} all move/mesh mesh {0} rotate origin {1} axis {2} period {3}", body.name,
+                                vector_text(body.rotation->point), vector_text(unit(body.rotation->axis)),
+                                2.0 * kPi / body.rotation->speed));
+  }
+  return render(templates::walls, "walls.tmpl",
+                {{"meshes", fmt::format("{}", fmt::join(meshes, "\n"))},
+                 {"rolling", rolling_style(c)},
+                 {"n_meshes", number(static_cast<long>(all.size()))},
+                 {"mesh_names", fmt::format("{}", fmt::join(names, " "))},
+                 {"moves", fmt::format("{}", fmt::join(moves, "\n"))}});
+}
+
+Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all) {
+  const Schedule schedule = schedule_of(c);
+  std::string resize_meshes, tally_bodies;
+  for (const Body& body : all) {
+    resize_meshes += " mesh " + body.name;
+    tally_bodies += fmt::format(" &\n          body {0} mesh {0}", body.name);
+  }
+  std::vector<double> edges{c.population.front().from};
+  for (const Population& p : c.population) edges.push_back(p.to);
+  return render(templates::run, "run.tmpl",
+                {{"space", space_commands(c.machine)},
+                 {"guard_every", number(kGuardEvery)},
+                 {"overlap", digits(c.guard.largest_overlap)},
+                 {"energy", digits(energy_bound(c, simulation_box(all)))},
+                 {"lost", digits(c.guard.lost_fraction)},
+                 {"thermo", number(std::max(1L, (schedule.settle + schedule.steps) / kThermoLines))},
+                 {"axis", std::string(axis_name(axis_of(c.machine)))},
+                 {"resize_meshes", resize_meshes},
+                 {"seed", number(c.seed)},
+                 {"settle_steps", number(schedule.settle)},
+                 {"every", number(c.tally.every)},
+                 {"window", number(schedule.window)},
+                 {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
+                 {"classes", fmt::format("{} {}", c.tally.class_edges.size() - 1, fmt::join(c.tally.class_edges, " "))},
+                 {"coarse_graining", digits(c.coarse_graining)},
+                 {"tally_bodies", tally_bodies},
+                 {"steps", number(schedule.steps)}});
+}
+
+// A restart of another machine would be read without complaint: hold its case.json against ours.
+Status check_restart(const DemCase& c, const fs::path& folder) {
+  if (!c.restart) return {};
+  const fs::path file = folder / *c.restart;  // an absolute path stays itself
+  if (!fs::is_regular_file(file))
+    return Error{fmt::format("{}: no such restart file. The burst before writes it at its end and when it is stopped.", file.string())};
+  const fs::path before = file.parent_path() / "case.json";
+  if (!fs::exists(before)) return {};
+  GRANARY_TRY(const json::Value document, json::read_file(before));
+  GRANARY_TRY(const DemCase previous, read_case(document, before.string()));
+  const auto same_walls = [](Machine m) {
+    m.impeller_speed = m.chopper_speed = 0.0;
+    DemCase walls;
+    walls.machine = m;
+    return to_json(walls)["machine"];
+  };
+  if (!(same_walls(previous.machine) == same_walls(c.machine)))
+    return Error{fmt::format("{}: is the restart of another case: its machine ({}, /machine) is not this burst's. Start without a restart.",
+                             file.string(), before.string())};
+  return {};
+}
+
+}  // namespace
+
+Schedule schedule_of(const DemCase& c) {
+  Schedule s;
+  s.settle = std::lround(c.settle_time / c.time_step);
+  s.window = std::max(1L, std::lround(c.tally.window / c.time_step / c.tally.every)) * c.tally.every;
+  s.steps = std::max(1L, std::lround(c.duration / c.time_step / static_cast<double>(s.window))) * s.window;
+  return s;
+}
+
+double neighbour_skin(const DemCase& c) {
+  double largest = 0.0;
+  for (const Population& p : c.population)
+    for (std::size_t i = 0; i < p.diameter.size(); ++i)
+      if (p.count[i] > 0) largest = std::max(largest, p.diameter[i]);
+  return 0.5 * largest;
+}
+
+Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all) {
+  const TimeStepFigures figures = time_step_figures(c);
+  GRANARY_TRY(const std::string state, state_commands(c, simulation_box(all)));
+  GRANARY_TRY(const std::string materials, material_commands(c.contact));
+  GRANARY_TRY(const std::string walls, wall_commands(c, all));
+  GRANARY_TRY(const std::string run, run_commands(c, all));
+  Values values{{"name", c.name},
+                {"particles", number(particles_of(c))},
+                {"tip_speed", fmt::format("{:.4g}", figures.impact_speed)},
+                {"time_step_comment", fmt::format("time step {:.1f} % of the Rayleigh time, 1/{:.0f} of the contact time.",
+                                                  100 * figures.rayleigh_share, 1 / figures.contact_share)},
+                {"state", state},
+                {"skin", digits(neighbour_skin(c))},
+                {"materials", materials},
+                {"rolling", rolling_style(c)},
+                {"time_step", digits(c.time_step)},
+                {"gravity", digits(kGravity)},
+                {"walls", walls},
+                {"run", run}};
+  if (c.machine.type == Machine::Type::batch_bowl) return render(templates::in_batch_bowl, "in.batch_bowl.tmpl", values);
+  GRANARY_TRY(const std::string outlet, outlet_commands(c.machine.mixer));
+  std::string feed;
+  if (c.feed_rate > 0.0) {
+    GRANARY_TRY(feed, feed_commands(c));
+  }
+  values.insert(values.end(), {{"ranks", number(c.ranks)}, {"outlet", outlet}, {"feed", feed}});
+  return render(templates::in_cm5, "in.cm5.tmpl", values);
+}
+
+json::Value population_json(const DemCase& c) {
+  json::Value compartments = json::Value::array();
+  for (const Population& p : c.population) {
+    json::Value counts = json::Value::array();
+    for (long n : p.count) counts.push(json::Value(static_cast<std::int64_t>(n)));
+    compartments.push(
+        json::Value::object({{"from_m", p.from}, {"to_m", p.to}, {"diameters_m", p.diameter}, {"counts", counts}}));
+  }
+  return json::Value::object({{"format", "granary-population-1"},
+                              {"density_kg_m3", c.density},
+                              {"coarse_graining", c.coarse_graining},
+                              {"compartments", compartments}});
+}
+
+Status write_burst(const DemCase& asked, const fs::path& folder) {
+  // The same checks whether the case came from a file or from the controller.
+  GRANARY_TRY(const DemCase c, read_case(to_json(asked), (folder / "case.json").string()));
+  GRANARY_CHECK(check_restart(c, folder));
+  GRANARY_TRY(const std::vector<Body> all, bodies(c.machine));
+  GRANARY_TRY(const std::string input, input_script(c, all));
+  GRANARY_CHECK(make_folders(folder / "meshes"));
+  for (const Body& body : all)
+    GRANARY_CHECK(write_text_atomically(folder / "meshes" / (body.name + ".stl"), stl_text(body.mesh, body.name)));
+  GRANARY_CHECK(json::write_file(folder / "population.json", population_json(c)));
+  GRANARY_CHECK(json::write_file(folder / "case.json", to_json(c)));
+  return write_text_atomically(folder / "in.liggghts", input);
+}
+
+}  // namespace granary::dem
