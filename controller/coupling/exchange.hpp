@@ -17,9 +17,9 @@ namespace granary::coupling {
 using Matrix = std::vector<std::vector<double>>;
 
 /// How rates measured on particles f times too large are carried to real sizes (f^3 real particles stand behind one).
-/// orthokinetic: collision speed grows with size (U ~ G d), so C/f^3, collision speed/f: each particle collides as
-/// often. equal_speed: collision speed does not depend on size, so C/f^2, speeds as they are. Impact rate and impact
-/// speed stay in both: the wall sweeps the same bed.
+/// orthokinetic: collision speed grows with size (U ~ G d): C ~ (d_p + d_q)^3, so C/f^3 and collision speed/f: each
+/// particle collides as often.   equal_speed: collision speed does not depend on size: C ~ (d_p + d_q)^2, so C/f^2,
+/// speeds as they are. Impact rate and impact speed stay in both: the wall sweeps the same bed.
 enum class ScalingLaw { orthokinetic, equal_speed };
 
 struct RateSettings {
@@ -37,7 +37,7 @@ struct MeasuredRates {
   Matrix standard_error;    ///< of rates.collision_rate, by counting [m^3/s], shape (n_classes, n_classes)
   Matrix collisions;        ///< counted, shape (n_classes, n_classes)
   Matrix exposure;          ///< sum of N_p N_q dt / V in the DEM [s/m^3], shape (n_classes, n_classes)
-  double shape_rate = 0.0;  ///< a of the fitted C = a (d_p + d_q)^3, real sizes [1/s]
+  double shape_rate = 0.0;  ///< a of the fitted C = a (d_p + d_q)^m at real sizes [m^(3-m)/s]
   std::vector<double> compartment_collisions;  ///< counted, shape (n_compartments)
   std::vector<double> impacts;                 ///< counted, shape (n_classes)
   double coarse_graining = 1.0;
@@ -51,8 +51,9 @@ struct MeasuredRates {
 ///   C_pq = N_pq / E_pq,   E_pq = sum over windows w and compartments x of N_p N_q dt / V_x   (p = q: N_p (N_p - 1) /
 ///   2)
 ///
-/// pulled towards a (d_p + d_q)^3 by a gamma prior worth `prior_collisions` counts: (N + k) / (E + k / C_shape):
-/// smooth, so a pair that was never seen takes the shape and one seen a thousand times keeps its count.
+/// pulled towards the shape a (d_p + d_q)^m (m = 3, or 2 under equal_speed) by a gamma prior worth `prior_collisions`
+/// counts: (N + k) / (E + k / C_shape): smooth, so a pair that was never seen takes the shape and one seen a thousand
+/// times keeps its count.
 /// @param bed_volume  of each compartment of the DEM [m^3], shape (n_compartments): the volume C is per
 /// Errors: no window after the grace time; no collision counted; compartments that don't match; a diverged run.
 /// Source: [gantt2006], docs/coupling.md.

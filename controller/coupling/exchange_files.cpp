@@ -1,0 +1,98 @@
+#include "controller/coupling/exchange_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/json/io.hpp"
+#include "common/results/hdf5_file.hpp"
+
+namespace granary::coupling {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kSameTime = 1e-9;
+
+Result<std::size_t> row_at(const std::vector<double>& times, std::optional<double> time, const fs::path& file) {
+  if (times.empty())
+    return Error{fmt::format("{}: holds no state: granary-pbm ended before its first output. See pbm.out beside it.",
+                             file.string())};
+  if (!time) return times.size() - 1;
+  std::size_t nearest = 0;
+  for (std::size_t r = 0; r < times.size(); ++r) {
+    if (std::abs(times[r] - *time) <= kSameTime * std::max(1.0, std::abs(*time))) return r;
+    if (std::abs(times[r] - *time) < std::abs(times[nearest] - *time)) nearest = r;
+  }
+  return Error{
+      fmt::format("{}: has no state at {:.9g} s; it goes from {:.6g} s to {:.6g} s, and the nearest is at {:.9g} s. Is "
+                  "it the file of another "
+                  "burst?",
+                  file.string(), *time, times.front(), times.back(), times[nearest])};
+}
+
+std::vector<Matrix> unflatten(const std::vector<double>& row, std::size_t n_x, std::size_t n_1, std::size_t n_2) {
+  std::vector<Matrix> tables(n_x, Matrix(n_1, std::vector<double>(n_2)));
+  auto value = row.begin();
+  for (Matrix& table : tables)
+    for (std::vector<double>& line : table)
+      for (double& cell : line) cell = *value++;
+  return tables;
+}
+
+}  // namespace
+
+Result<monitor::Tallies> read_tallies(const fs::path& file) {
+  GRANARY_TRY(const std::vector<json::Value> lines, json::read_lines(file));
+  return monitor::read_tallies(lines, file.string());
+}
+
+Result<HoldUp> read_hold_up(const fs::path& file, std::optional<double> time) {
+  std::error_code fault;
+  if (!fs::exists(file, fault))
+    return Error{fmt::format(
+        "{}: there is no such file: granary-pbm did not get as far as its first output. See pbm.out beside it.",
+        file.string())};
+  GRANARY_TRY(const Hdf5File h5, Hdf5File::open(file));
+  GRANARY_TRY(const std::string format, h5.text_attribute("/", "format"));
+  if (format != "granary-pbm-out-1")
+    return Error{fmt::format(
+        "{}: its format is \"{}\"; it must be \"granary-pbm-out-1\". Was it written by another version of Granary?",
+        file.string(), format)};
+  GRANARY_TRY(DataArray solid_1, h5.read("/grid/solid_1"));
+  GRANARY_TRY(DataArray solid_2, h5.read("/grid/solid_2"));
+  GRANARY_TRY(const DataArray times, h5.read("/state/time"));
+  GRANARY_TRY(const std::size_t row, row_at(times.values, time, file));
+
+  HoldUp hold_up;
+  hold_up.time = times.values[row];
+  hold_up.solid_1 = std::move(solid_1.values);
+  hold_up.solid_2 = std::move(solid_2.values);
+  const std::size_t n_1 = hold_up.solid_1.size(), n_2 = hold_up.solid_2.size();
+  std::size_t n_x = 0;
+  for (const auto& [name, target] : {std::pair{"/state/number", &hold_up.number},
+                                     {"/state/liquid", &hold_up.liquid},
+                                     {"/state/gas", &hold_up.gas}}) {
+    GRANARY_TRY(const std::vector<double> values, h5.read_row(name, row));
+    const std::size_t here = n_1 * n_2 > 0 ? values.size() / (n_1 * n_2) : 0;
+    if (n_x == 0) n_x = here;
+    if (here == 0 || here != n_x || values.size() != n_x * n_1 * n_2)
+      return Error{fmt::format(
+          "{}: {} has {} values a row, which does not fit a grid of {} x {}. The file is damaged: run the burst again.",
+          file.string(), name, values.size(), n_1, n_2)};
+    *target = unflatten(values, n_x, n_1, n_2);
+  }
+  return hold_up;
+}
+
+Result<MeasuredRates> measure_burst(const fs::path& burst_folder, const std::vector<double>& bed_volume,
+                                    const RateSettings& settings) {
+  const fs::path file = burst_folder / "tallies.jsonl";
+  GRANARY_TRY(const monitor::Tallies tallies, read_tallies(file));
+  auto measured = measure_rates(tallies, bed_volume, settings);
+  if (!measured) return Error{fmt::format("{}: {}", file.string(), measured.error().message), measured.error().exit};
+  return measured;
+}
+
+}  // namespace granary::coupling
