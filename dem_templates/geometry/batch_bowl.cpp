@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kAround = 32;            // sides of the bowl; flats touch the nominal circles
 constexpr int kShaftAround = 12;
-constexpr double kWall = 0.003;        // of the bowl [m]
+constexpr double kWall = 0.010;        // of the bowl [m]: thick, so that its outside is on no neighbour list
 constexpr double kIntoWall = 0.001;    // how far shafts reach into the wall they come through [m]
 constexpr double kBladeThickness = 0.003, kChopperThickness = 0.002;  // [m]
 

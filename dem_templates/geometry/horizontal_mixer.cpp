@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kAround = 24;           // sides of the casing; flats touch the nominal cone
 constexpr int kShaftAround = 16;
-constexpr double kWall = 0.004;       // of the casing [m]
+constexpr double kWall = 0.010;       // of the casing [m]: thick, so that its outside is on no neighbour list
 constexpr double kBladeThickness = 0.003;
 constexpr double kQuarterTurn = 0.5 * kPi;
 

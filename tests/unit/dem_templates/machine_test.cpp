@@ -85,7 +85,7 @@ TEST(Machine, TheMixersShellEnclosesTheConeAndItsChute) {
   const double r0 = 0.060, r1 = 0.065, cone = kPi / 3 * m.length * (r0 * r0 + r0 * r1 + r1 * r1);
   const MixerPorts ports = mixer_ports(m);
   const double polygon = 24 * std::tan(kPi / 24) / kPi;  // area of the flats' polygon over the circle's
-  const double wall = 0.004;
+  const double wall = 0.010;
   const auto cone_of = [](double a, double b, double h) { return kPi / 3 * h * (a * a + a * b + b * b); };
   const double outside = polygon * (cone_of(r0 + wall, r1 + wall, m.length) + kPi * wall * ((r0 + wall) * (r0 + wall) + (r1 + wall) * (r1 + wall)));
   const double metal = outside - polygon * cone;  // without the chute and the hole
@@ -100,7 +100,7 @@ TEST(Machine, TheMixersShellEnclosesTheConeAndItsChute) {
 TEST(Machine, TheBowlsShellHasThePolygonalBowlsVolume) {
   const BatchBowl b;
   const double polygon = 32 * std::tan(kPi / 32);
-  const double low = 0.040, high = 0.030, wall = 0.003;
+  const double low = 0.040, high = 0.030, wall = 0.010;
   const double corner = 1 / std::cos(kPi / 32);
   const auto frustum = [&](double a, double c, double h) { return h / 3 * (a * a + a * c + c * c); };
   const double inside = frustum(low, low, 0.032) + frustum(low, high, 0.0213) + frustum(high, high, 0.0108);
