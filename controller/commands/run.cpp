@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 
 #include "common/files.hpp"
@@ -17,6 +18,7 @@
 #include "pilot/control/control.hpp"
 #include "pilot/control/run_lock.hpp"
 #include "pilot/launch/local_launcher.hpp"
+#include "pilot/launch/run_program.hpp"
 #include "pilot/loop/real_loop.hpp"
 #include "pilot/task_list.hpp"
 
@@ -63,6 +65,22 @@ Result<std::unique_ptr<Session>> open_session(const fs::path& dir, Campaign camp
 
 double first_wall_time(const pilot::Journal& journal, double otherwise) {
   return journal.records().empty() ? otherwise : journal.records().front().wall_time;
+}
+
+/// Every program the campaign will need, before anything is started: all that are missing at once.
+Status check_programs(const Campaign& campaign) {
+  const bool dem = campaign.coupling.mode != campaign::CouplingSettings::Mode::pbm_only;
+  std::vector<std::string> wanted{(program_folder() / "granary-pbm").string(), (program_folder() / "granary-monitor").string()};
+  if (dem) wanted.push_back((program_folder() / "granary-dem").string());
+  if (dem || campaign.pbm.ranks > 1) wanted.emplace_back("mpirun");
+  if (campaign.outputs.report) wanted.emplace_back("gnuplot");
+  const char* path = std::getenv("PATH");
+  std::string missing;
+  for (const std::string& program : wanted)
+    if (const auto found = pilot::find_executable(program, path != nullptr ? path : ""); !found)
+      missing += (missing.empty() ? "" : "\n") + found.error().message;
+  if (missing.empty()) return {};
+  return Error{missing + "\n./dev build installs and builds all that a campaign needs."};
 }
 
 /// Results and report of all bursts that are over, whatever the campaign's end.
@@ -156,11 +174,13 @@ Result<Exit> run_session(Session& session, bool json, bool quiet) {
 
 Result<Exit> run(const RunOptions& options) {
   if (options.dry_run) return dry_run(options);
+  if (options.nodes > 0) return Error{"--nodes states a machine for --dry-run; a real run takes the cores of this machine (--cores)."};
   GRANARY_TRY(Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
   const fs::path dir = fs::absolute(options.dir.empty() ? free_folder(campaign.name) : options.dir).lexically_normal();
   if (fs::exists(dir / "journal.jsonl"))
     return Error{fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.", dir.string(),
                              dir.string())};
+  if (campaign.kind == campaign::Kind::coupled) GRANARY_CHECK(check_programs(campaign));
   GRANARY_CHECK(make_folders(dir));
   if (!options.quiet) fmt::print(stderr, "{} -> {}\n", options.workflow.string(), dir.string());
   // Before the journal: a resume must find the workflow as it was understood.

@@ -103,10 +103,17 @@ void CampaignRun::act_on(const StopTask& stop) {
 }
 
 void CampaignRun::act_on(const AskMonitor& ask) {
-  const auto id = pilot_.find(monitor_name(ask.burst, ask.attempt));
-  if (id && !pilot_.end(*id)) return pilot_.stop(*id, "its burst is over");
-  // It had spoken before, or never ran: nothing more is to be heard from it.
-  if (!id) later(MonitorFailed{ask.burst, ask.attempt, "no monitor was started"});
+  const std::string name = monitor_name(ask.burst, ask.attempt);
+  const auto id = pilot_.find(name);
+  if (id && roles_.count(name) > 0) {
+    // It reads to the end of the file and says its last word; if it has ended, that is on its way to us already.
+    if (!pilot_.end(*id)) pilot_.stop(*id, "its burst is over");
+    return;
+  }
+  const pilot::TaskSpec late = handover_.late_monitor(ask.burst, ask.attempt);
+  roles_[late.name] = {ask.burst, ask.attempt, true};
+  if (const auto submitted = pilot_.submit(late); !submitted)
+    later(MonitorFailed{ask.burst, ask.attempt, submitted.error().message});
 }
 
 void CampaignRun::act_on(const coupling::Exchange& exchange) {

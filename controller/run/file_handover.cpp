@@ -57,8 +57,18 @@ Result<BurstTasks> FileHandover::prepare(const coupling::StartBurst& start) {
   program.priority = 10;
   program.stop.grace = 60.0;
   BurstTasks tasks{std::move(program), std::nullopt};
-  if (start.monitored) tasks.monitor = monitor_task(start);
+  if (start.monitored) {
+    tasks.monitor = monitor_task(start.burst, start.attempt);
+    if (!start.watch_drift) tasks.monitor->command.push_back("--no-drift");
+  }
   return tasks;
+}
+
+pilot::TaskSpec FileHandover::late_monitor(const BurstId& burst, int attempt) {
+  pilot::TaskSpec task = monitor_task(burst, attempt);
+  task.name += "-late";
+  task.command.push_back("--finished");
+  return task;
 }
 
 Result<coupling::HoldUp> FileHandover::hold_up_for(const coupling::StartBurst& start) const {
@@ -128,14 +138,14 @@ Result<pilot::TaskSpec> FileHandover::prepare_pbm(const coupling::StartBurst& st
   return task;
 }
 
-pilot::TaskSpec FileHandover::monitor_task(const coupling::StartBurst& start) const {
+pilot::TaskSpec FileHandover::monitor_task(const BurstId& burst, int attempt) const {
   const auto& coupling = campaign_->coupling;
-  const bool dem = start.burst.kind == Kind::dem;
+  const bool dem = burst.kind == Kind::dem;
   pilot::TaskSpec task;
-  task.name = monitor_name(start.burst, start.attempt);
+  task.name = monitor_name(burst, attempt);
   task.light = true;
   task.priority = 10;
-  task.dir = fs::path("bursts") / start.burst.folder();
+  task.dir = fs::path("bursts") / burst.folder();
   task.stop.grace = 20.0;
   task.command = {(programs_ / "granary-monitor").string(), dem ? "dem" : "pbm", ".",
                   "--threshold", fmt::format("{}", coupling.threshold)};
@@ -143,7 +153,6 @@ pilot::TaskSpec FileHandover::monitor_task(const coupling::StartBurst& start) co
     task.command.insert(task.command.end(), {"--grace", fmt::format("{}", coupling.grace), "--steady-window",
                                              fmt::format("{}", coupling.steady_window)});
   }
-  if (!start.watch_drift) task.command.push_back("--no-drift");
   return task;
 }
 

@@ -16,6 +16,7 @@ class FileHandover final : public Handover {
   FileHandover(const campaign::Campaign& campaign, std::filesystem::path dir, std::filesystem::path programs);
 
   Result<BurstTasks> prepare(const coupling::StartBurst& start) override;
+  pilot::TaskSpec late_monitor(const coupling::BurstId& burst, int attempt) override;
   std::optional<double> clock(const coupling::BurstId& burst, const pilot::TaskEnd& program) override;
   Result<monitor::Verdict> verdict(const coupling::BurstId& burst, const pilot::TaskEnd& monitor) override;
   std::string last_words(const pilot::TaskEnd& program) override;
@@ -29,7 +30,7 @@ class FileHandover final : public Handover {
   std::filesystem::path folder(const coupling::BurstId& burst) const;
   Result<pilot::TaskSpec> prepare_dem(const coupling::StartBurst& start) const;
   Result<pilot::TaskSpec> prepare_pbm(const coupling::StartBurst& start) const;
-  pilot::TaskSpec monitor_task(const coupling::StartBurst& start) const;
+  pilot::TaskSpec monitor_task(const coupling::BurstId& burst, int attempt) const;
   Result<coupling::HoldUp> hold_up_for(const coupling::StartBurst& start) const;
 
   const campaign::Campaign* campaign_;

@@ -26,6 +26,8 @@ class Handover {
 
   /// Makes the burst's folder ready to run. Doing it again gives the same.
   virtual Result<BurstTasks> prepare(const coupling::StartBurst& start) = 0;
+  /// A monitor that reads what a burst left behind and says its last word, where the one beside it is gone.
+  virtual pilot::TaskSpec late_monitor(const coupling::BurstId& burst, int attempt) = 0;
   /// The clock of the burst's program when it ended [s]; nothing if it never got as far.
   virtual std::optional<double> clock(const coupling::BurstId& burst, const pilot::TaskEnd& program) = 0;
   /// What the monitor said. Error: it could not do its work (its own words).

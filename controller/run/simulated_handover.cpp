@@ -68,6 +68,15 @@ pilot::SimulatedRun SimulatedHandover::run_of(const pilot::TaskSpec& spec) const
   return run;
 }
 
+pilot::TaskSpec SimulatedHandover::late_monitor(const coupling::BurstId& burst, int attempt) {
+  pilot::TaskSpec task;
+  task.name = monitor_name(burst, attempt) + "-late";
+  task.command = {"granary-monitor"};
+  task.light = true;
+  plans_[task.name] = plans_.at(monitor_name(burst, attempt));
+  return task;
+}
+
 std::optional<double> SimulatedHandover::clock(const coupling::BurstId&, const pilot::TaskEnd& program) {
   const Plan& plan = plans_.at(program.name);
   const double ran = std::max(0.0, program.end - program.start - plan.start_up) / plan.seconds_per_second;

@@ -18,6 +18,7 @@ class SimulatedHandover final : public Handover {
   explicit SimulatedHandover(const campaign::Campaign& campaign) : campaign_(&campaign) {}
 
   Result<BurstTasks> prepare(const coupling::StartBurst& start) override;
+  pilot::TaskSpec late_monitor(const coupling::BurstId& burst, int attempt) override;
   std::optional<double> clock(const coupling::BurstId& burst, const pilot::TaskEnd& program) override;
   Result<monitor::Verdict> verdict(const coupling::BurstId& burst, const pilot::TaskEnd& monitor) override;
   std::string last_words(const pilot::TaskEnd& program) override;
