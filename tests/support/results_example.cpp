@@ -75,8 +75,8 @@ DemRates rates_of(std::int64_t burst, double growth) {
     rates.impact_rate.push_back(14.0 + 2.5 * static_cast<double>(p));
     rates.impact_rate_error.push_back(rates.impact_rate.back() * 0.04);
   }
-  rates.collision_speed = speeds(0.31, 0.95, 9000);
-  rates.impact_speed = speeds(1.4, 0.8, 5200);
+  rates.collision_speed = speeds(0.31 / growth, 0.95, 9000);
+  rates.impact_speed = speeds(1.4 * std::sqrt(growth), 0.8, 5200);
   return rates;
 }
 
