@@ -5,6 +5,7 @@
 
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
+#include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_tally.hpp"
 
 namespace {
@@ -31,6 +32,7 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   auto& styles = *(lammps.modify->*fix_map_of_modify());
   styles["granary/guard"] = create<FixGuard>;
   styles["granary/outlet"] = create<FixOutlet>;
+  styles["granary/resize"] = create<FixResize>;
   styles["granary/tally"] = create<FixTally>;
 }
 

@@ -1,0 +1,49 @@
+// fix ID GROUP granary/resize: makes the state hold the population of a file, once, when the next run starts. What to do is
+// decided in resize/; here it is done to LIGGGHTS' particles. Syntax: docs/dem_styles.md.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <fix.h>
+
+#include "dem_templates/plugin/resize/plan.hpp"
+#include "dem_templates/plugin/resize/population.hpp"
+
+namespace granary::dem {
+
+class FixResize : public LAMMPS_NS::Fix {
+ public:
+  FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg);
+
+  // What LIGGGHTS calls.
+  int setmask() override;
+  void init() override;
+  void setup_pre_exchange() override;
+  /// LIGGGHTS' cut-offs are set before the particles grow.
+  double max_rad(int type) override;
+
+ private:
+  struct State {
+    std::size_t particles = 0;
+    double volume = 0.0;   ///< [m^3]
+    double energy = 0.0;   ///< translational [J]
+  };
+
+  std::vector<Particle> gather_particles() const;
+  State measure() const;
+  void apply(const ResizePlan& plan);
+  void remove(const ResizePlan& plan);
+  void resize_kept(const ResizePlan& plan);
+  void insert(const ResizePlan& plan);
+  [[noreturn]] void refuse(const Error& why) const;
+
+  std::string space_;
+  std::vector<std::string> meshes_;
+  int type_ = 1;
+  ResizeOptions options_;
+  Population population_;
+  bool done_ = false;
+};
+
+}  // namespace granary::dem
