@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -93,9 +92,9 @@ class Pilot {
   json::Value answer(const json::Value& request);
 
  private:
-  struct Core;
-  explicit Pilot(std::unique_ptr<Core> core);
-  std::unique_ptr<Core> core_;
+  struct State;
+  explicit Pilot(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace granary::pilot

@@ -51,7 +51,10 @@ class Journal {
   Status append(const std::string& kind, const json::Value& payload);
   /// Nothing, or why the next append() may fail: space for the last words is kept in reserve, and this says when it is touched.
   Status healthy() const;
+  /// Waits until the disk has what was appended.
   Status sync();
+  /// Whether there is anything to sync().
+  bool dirty() const { return dirty_; }
 
  private:
   Journal() = default;

@@ -43,7 +43,7 @@ class Launcher {
   /// Starts the attempt; `ended` comes later from the event loop, exactly once, after all its processes are gone.
   /// Errors: no such executable (names it and the PATH searched), no folder, no output file; then `ended` never comes.
   virtual Result<ProcessKey> start(const Launch& launch, std::function<void(const RunEnd&)> ended) = 0;
-  /// Asks the task's first process to end (mpirun passes SIGUSR1 on to the ranks).
+  /// Asks the attempt's process group to end (mpirun passes SIGUSR1 on to its ranks); wakes it if it is suspended.
   virtual void signal(AttemptId attempt, int signal_number) = 0;
   /// Ends all processes of the attempt: SIGKILL to its process group, ranks and strays.
   virtual void kill(AttemptId attempt) = 0;

@@ -20,7 +20,4 @@ struct ProgramOutput {
 /// Errors: no such program; it still runs after `timeout_s` (it is killed). An exit code other than 0 is no error here.
 Result<ProgramOutput> run_program(const std::vector<std::string>& argv, std::string_view input, double timeout_s);
 
-/// The file that would be executed for `command`; errors as a task's start gives them.
-Result<std::string> find_executable(const std::string& command, std::string_view path);
-
 }  // namespace granary::pilot

@@ -29,6 +29,8 @@ class RealLoop final : public EventLoop {
   /// unwatch(). `keeps_running`: whether run() goes on for its sake alone.
   void watch(int fd, std::function<void()> fn, bool keeps_running = true);
   void unwatch(int fd);
+  /// Calls `fn` once, when a watched `fd` takes more output.
+  void when_writable(int fd, std::function<void()> fn);
 
  private:
   struct State;

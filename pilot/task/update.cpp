@@ -51,8 +51,8 @@ class Step {
     attempt.pieces.push_back({time_, -1.0, event.cores});
     task.attempts.push_back(std::move(attempt));
     enter(task, TaskState::running);
-    actions_.push_back(Spawn{event.attempt});
     if (task.spec.timeout > 0.0) actions_.push_back(SetAlarm{event.attempt, Alarm::timeout, task.spec.timeout});
+    actions_.push_back(Spawn{event.attempt});  // last: it may fail at once, which ends all this
   }
 
   void operator()(const Started& event) {

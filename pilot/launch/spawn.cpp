@@ -1,0 +1,163 @@
+#include "pilot/launch/spawn.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <linux/close_range.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+namespace granary::pilot {
+namespace {
+
+enum class Stage { none, session, affinity, folder, files, execute };
+
+/// What the child reads, and where it says what went wrong: it shares our memory until it executes the program.
+struct Child {
+  const char* file;
+  char* const* argv;
+  char* const* env;
+  const char* dir;
+  const cpu_set_t* cpus;
+  int in, out, err;
+  Stage failed = Stage::none;
+  int code = 0;
+};
+
+int fail(Child* child, Stage stage) {
+  child->failed = stage;
+  child->code = errno;
+  return 127;
+}
+
+// Runs in the child, on a stack of its own but in our memory: system calls only.
+int run_child(void* argument) {
+  auto* child = static_cast<Child*>(argument);
+  struct sigaction standard = {};
+  standard.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < 32; ++signal) (void)sigaction(signal, &standard, nullptr);
+  if (setsid() < 0) return fail(child, Stage::session);
+  if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0) return fail(child, Stage::affinity);
+  if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);
+  if (dup2(child->in, 0) < 0 || dup2(child->out, 1) < 0 || dup2(child->err, 2) < 0) return fail(child, Stage::files);
+  // Whatever a library of ours has left open is none of the program's business.
+  (void)syscall(SYS_close_range, 3U, ~0U, CLOSE_RANGE_CLOEXEC);
+  sigset_t none;
+  sigemptyset(&none);
+  (void)sigprocmask(SIG_SETMASK, &none, nullptr);
+  execve(child->file, child->argv, child->env);
+  return fail(child, Stage::execute);
+}
+
+/// A stack for children, used by one at a time: the parent sleeps until the child has executed its program.
+void* child_stack_top() {
+  constexpr std::size_t kSize = 64 * 1024;
+  static void* const stack = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK, -1, 0);
+  return stack == MAP_FAILED ? nullptr : static_cast<char*>(stack) + kSize;
+}
+
+int null_device() {
+  static const int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+  return fd;
+}
+
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  list.reserve(texts.size() + 1);
+  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
+  list.push_back(nullptr);
+  return list;
+}
+
+Error spawn_error(const SpawnRequest& request, Stage stage, int code) {
+  const std::string why = std::strerror(code);
+  switch (stage) {
+    case Stage::affinity: {
+      std::string cpus;
+      for (const int cpu : request.cpus) cpus += fmt::format("{}{}", cpus.empty() ? "" : ",", cpu);
+      return {fmt::format("{}: cannot be pinned to CPU(s) {}: {}", request.file, cpus, why), Exit::task_failed};
+    }
+    case Stage::folder: return {fmt::format("{}: the working folder cannot be entered: {}", request.dir, why), Exit::task_failed};
+    case Stage::execute: return {fmt::format("{}: cannot be executed: {}", request.file, why), Exit::task_failed};
+    default: return {fmt::format("{}: cannot be started: {}", request.file, why), Exit::task_failed};
+  }
+}
+
+}  // namespace
+
+Result<Spawned> spawn(const SpawnRequest& request) {
+  const std::vector<char*> argv = pointers(request.argv), env = pointers(request.env);
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  for (const int cpu : request.cpus) CPU_SET(cpu, &cpus);
+  const auto or_null = [](int fd) { return fd >= 0 ? fd : null_device(); };
+  Child child{request.file.c_str(),
+              argv.data(),
+              env.data(),
+              request.dir.empty() ? nullptr : request.dir.c_str(),
+              request.cpus.empty() ? nullptr : &cpus,
+              or_null(request.stdin_fd),
+              or_null(request.stdout_fd),
+              or_null(request.stderr_fd)};
+  void* stack = child_stack_top();
+  if (stack == nullptr) return spawn_error(request, Stage::none, ENOMEM);
+
+  // No handler of ours may run in the child while it shares our memory.
+  sigset_t all, before;
+  sigfillset(&all);
+  (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+  int pidfd = -1;
+  const int pid = clone(run_child, stack, CLONE_VM | CLONE_VFORK | CLONE_PIDFD | SIGCHLD, &child, &pidfd);
+  const int code = errno;
+  (void)pthread_sigmask(SIG_SETMASK, &before, nullptr);
+
+  if (pid < 0) return spawn_error(request, Stage::none, code);
+  if (child.failed != Stage::none) {
+    (void)reap(pidfd);
+    close(pidfd);
+    return spawn_error(request, child.failed, child.code);
+  }
+  return Spawned{pid, pidfd};
+}
+
+ProcessEnd reap(int pidfd) {
+  siginfo_t info = {};
+  rusage usage = {};
+  // The C library's waitid() does not pass the resource usage on.
+  while (syscall(SYS_waitid, P_PIDFD, pidfd, &info, WEXITED, &usage) != 0) {
+    if (errno != EINTR) return {};
+  }
+  const auto seconds = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+  ProcessEnd end;
+  end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  if (info.si_code == CLD_EXITED) {
+    end.exit_code = info.si_status;
+  } else {
+    end.signal = info.si_status;
+  }
+  return end;
+}
+
+std::uint64_t start_ticks(int pid) {
+  const int fd = open(fmt::format("/proc/{}/stat", pid).c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return 0;
+  char text[1024];
+  const ssize_t n = read(fd, text, sizeof text - 1);
+  close(fd);
+  if (n <= 0) return 0;
+  text[n] = '\0';
+  // The second field, the name in brackets, may hold spaces: count from behind its last bracket, which ends field 2.
+  const char* at = std::strrchr(text, ')');
+  for (int field = 2; at != nullptr && field < 22; ++field) at = std::strchr(at + 1, ' ');
+  return at == nullptr ? 0 : std::strtoull(at + 1, nullptr, 10);
+}
+
+}  // namespace granary::pilot

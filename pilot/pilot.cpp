@@ -1,0 +1,457 @@
+#include "pilot/pilot.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <random>
+
+#include "common/json/problems.hpp"
+#include "common/log.hpp"
+#include "common/version.hpp"
+#include "pilot/schedule/check_tasks.hpp"
+#include "pilot/schedule/explain.hpp"
+#include "pilot/schedule/resources.hpp"
+#include "pilot/schedule/scheduler.hpp"
+#include "pilot/summary.hpp"
+#include "pilot/task/update.hpp"
+
+namespace granary::pilot {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A power cut loses at most this much of the journal [s]; a kill of the pilot loses nothing.
+constexpr double kSyncEvery = 0.25;
+
+std::string new_run_id() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+}  // namespace
+
+struct Pilot::State {
+  State(PilotOptions o, EventLoop& l, Launcher& la, Journal& j)
+      : options(std::move(o)), loop(l), launcher(la), journal(j), resources(options.machine), loop_start(l.now()) {}
+
+  PilotOptions options;
+  EventLoop& loop;
+  Launcher& launcher;
+  Journal& journal;
+  Table table;
+  Resources resources;
+  std::string run_id;             ///< of the campaign: what its processes are marked with
+  double loop_start;              ///< loop's clock at ...
+  double time_base = 0.0;         ///< ... this pilot time [s]
+  bool stopping = false;
+  std::string stop_reason;
+  bool schedule_posted = false;
+  bool idle_told = true;
+  bool sync_set = false;
+  std::optional<Error> failure;
+  std::map<AttemptId, std::array<TimerId, 2>> alarms;
+  std::map<fs::path, int> folders;  ///< how many tasks work in each
+  std::vector<std::function<void(const TaskEnd&)>> end_callbacks;
+  std::vector<std::function<void()>> idle_callbacks;
+  std::shared_ptr<bool> alive = std::make_shared<bool>(true);  ///< posted calls find out whether we still are
+
+  double now() const { return time_base + loop.now() - loop_start; }
+
+  fs::path folder_of(const TaskSpec& spec) const { return spec.dir.empty() ? options.dir : options.dir / spec.dir; }
+
+  void post(void (State::*member)()) {
+    loop.post([this, member, watch = std::weak_ptr<bool>(alive)] {
+      if (!watch.expired()) (this->*member)();
+    });
+  }
+
+  // --- events: journal, then update, then act ---
+
+  Status record(const std::string& kind, const json::Value& payload) {
+    Status written = journal.append(kind, payload);
+    if (!written) {
+      fail(written.error());
+    } else if (!journal.healthy()) {
+      fail(journal.healthy().error());
+    }
+    if (journal.dirty() && !sync_set) {
+      sync_set = true;
+      loop.after(kSyncEvery, [this, watch = std::weak_ptr<bool>(alive)] {
+        if (watch.expired()) return;
+        sync_set = false;
+        if (const Status synced = journal.sync(); !synced) fail(synced.error());
+      });
+    }
+    return written;
+  }
+
+  /// What we decide to do is not done unless it is recorded.
+  Status decide(const Event& event) {
+    GRANARY_CHECK(record(kind_of(event), to_json(event)));
+    apply(event);
+    return {};
+  }
+
+  /// What has happened in the world has happened, recorded or not.
+  void observe(const Event& event) {
+    (void)record(kind_of(event), to_json(event));
+    apply(event);
+  }
+
+  void apply(const Event& event) {
+    for (const Action& action : update(table, event)) {
+      std::visit([this](const auto& what) { act(what); }, action);
+    }
+    schedule_soon();
+  }
+
+  // --- actions ---
+
+  Launch launch_of(const Task& task, const Attempt& attempt) const {
+    return {{task.id, attempt.number}, task.spec, folder_of(task.spec), attempt.pieces.back().cores, mark_of({task.id, attempt.number})};
+  }
+
+  std::string mark_of(AttemptId attempt) const { return fmt::format("{}.{}.{}", run_id, attempt.task.value, attempt.number); }
+
+  /// Whether no other task works in the task's folder or below it.
+  bool owns_folder(const Task& task) const {
+    const fs::path folder = folder_of(task.spec);
+    if (folder == options.dir) return false;
+    const auto found = folders.find(folder);
+    if (found == folders.end() || found->second > 1) return false;
+    const auto next = std::next(found);
+    return next == folders.end() || !next->first.string().starts_with(folder.string() + "/");
+  }
+
+  void act(const Spawn& spawn) {
+    const Task& task = table.at(spawn.attempt.task);
+    if (const Status kept = keep_earlier_attempt(task); !kept) {
+      return observe({now(), StartFailed{spawn.attempt, kept.error().message}});
+    }
+    const auto started = launcher.start(launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) {
+      observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
+    });
+    if (started) {
+      observe({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
+    } else {
+      observe({now(), StartFailed{spawn.attempt, started.error().message}});
+    }
+  }
+
+  Status keep_earlier_attempt(const Task& task) {
+    if (task.attempts.size() < 2) return {};
+    return launcher.set_aside(launch_of(task, task.attempts[task.attempts.size() - 2]), owns_folder(task));
+  }
+
+  void act(const AskToEnd& ask) { launcher.signal(ask.attempt, ask.signal); }
+  void act(const Kill& kill) { launcher.kill(kill.attempt); }
+  void act(const Pause& pause) { launcher.suspend(pause.attempt); }
+  void act(const Continue& go_on) {
+    launcher.resume(go_on.attempt, table.at(go_on.attempt.task).last().pieces.back().cores);
+  }
+
+  void act(const SetAlarm& set) {
+    TimerId& timer = alarms[set.attempt][static_cast<std::size_t>(set.alarm)];
+    loop.cancel(timer);
+    timer = loop.after(set.after, [this, set, watch = std::weak_ptr<bool>(alive)] {
+      if (watch.expired()) return;
+      if (set.alarm == Alarm::timeout) {
+        observe({now(), TimedOut{set.attempt}});
+      } else {
+        observe({now(), GraceOver{set.attempt}});
+      }
+    });
+  }
+
+  void act(const ClearAlarm& clear) {
+    const auto found = alarms.find(clear.attempt);
+    if (found == alarms.end()) return;
+    TimerId& timer = found->second[static_cast<std::size_t>(clear.alarm)];
+    loop.cancel(timer);
+    timer = TimerId::none;
+    if (found->second[0] == TimerId::none && found->second[1] == TimerId::none) alarms.erase(found);
+  }
+
+  void act(const FreeCores& free) {
+    const bool keeps_memory = table.at(free.attempt.task).state == TaskState::suspended;
+    resources.release(free.attempt.task, keeps_memory);
+  }
+
+  void act(const Report& report) {
+    loop.post([this, id = report.id, watch = std::weak_ptr<bool>(alive)] {
+      if (watch.expired()) return;
+      const TaskEnd end = end_of(table.at(id), folder_of(table.at(id).spec));
+      for (std::size_t k = 0; k < end_callbacks.size() && !watch.expired(); ++k) end_callbacks[k](end);
+    });
+  }
+
+  // --- scheduling ---
+
+  void schedule_soon() {
+    if (schedule_posted) return;
+    schedule_posted = true;
+    post(&State::schedule_now);
+  }
+
+  void schedule_now() {
+    schedule_posted = false;
+    if (!stopping) {
+      for (const Decision& decision : schedule(table, resources)) {
+        if (stopping || !std::visit([this](const auto& what) { return carry_out(what); }, decision)) break;
+      }
+    }
+    if (idle() && !idle_told) {
+      idle_told = true;
+      post(&State::tell_idle);
+    }
+  }
+
+  void tell_idle() {
+    // Callbacks of the last task's end may have submitted more meanwhile.
+    if (!idle()) {
+      idle_told = false;
+      return;
+    }
+    const std::weak_ptr<bool> watch = alive;
+    for (std::size_t k = 0; k < idle_callbacks.size() && !watch.expired(); ++k) idle_callbacks[k]();
+  }
+
+  Status carry_out(const StartTask& start) {
+    const Task& task = table.at(start.id);
+    resources.take(task, start.cores);
+    const Status done = decide({now(), Placed{{task.id, task.attempt_id().number + 1}, start.cores}});
+    if (!done) resources.release(start.id);
+    return done;
+  }
+  Status carry_out(const SuspendFiller& suspend) { return decide({now(), Suspended{table.at(suspend.id).attempt_id()}}); }
+  Status carry_out(const KillFiller& kill) { return decide({now(), Preempted{table.at(kill.id).attempt_id()}}); }
+  Status carry_out(const ResumeFiller& resume) {
+    resources.take(table.at(resume.id), resume.cores);
+    const Status done = decide({now(), Resumed{table.at(resume.id).attempt_id(), resume.cores}});
+    if (!done) resources.release(resume.id, true);
+    return done;
+  }
+
+  bool idle() const {
+    const bool nothing_runs = table.running.empty() && table.suspended.empty();
+    return nothing_runs && (stopping || (table.n_waiting == 0 && table.n_ready() == 0));
+  }
+
+  // --- stopping ---
+
+  /// The journal cannot be written: nothing more is started, what runs is asked to end as soon as the current event is done.
+  void fail(const Error& error) {
+    if (failure) return;
+    failure = error;
+    log::error("pilot", error.message);
+    stopping = true;
+    stop_reason = error.message;
+    post(&State::stop_active);
+  }
+
+  void stop_active() {
+    for (const TaskId id : active_tasks()) observe({now(), StopAsked{id, stop_reason, true}});
+    idle_told = false;
+    schedule_soon();
+  }
+
+  std::vector<TaskId> active_tasks() const {
+    std::vector<TaskId> active(table.running.begin(), table.running.end());
+    for (const Turn& turn : table.suspended) active.push_back(turn.id);
+    return active;
+  }
+
+  // --- the beginning ---
+
+  Status replay() {
+    for (const Record& record : journal.records()) {
+      if (record.kind == "pilot.open" && run_id.empty()) run_id = record.payload.text_or("run_id", "");
+      time_base = std::max(time_base, record.payload.number_or("time_s", 0.0));
+      if (!record.kind.starts_with("task.")) continue;
+      const auto event = event_from_json(record.kind, record.payload);
+      if (!event) return Error{fmt::format("journal.jsonl: record {}: {}", record.sequence, event.error().message)};
+      if (!belongs_here(*event, record)) {
+        return Error{fmt::format("journal.jsonl: record {} ({}) tells of a task that no earlier record submitted; "
+                                 "somebody put this file together from others", record.sequence, record.kind)};
+      }
+      (void)update(table, *event);
+    }
+    for (const Task& task : table.tasks) {
+      ++folders[folder_of(task.spec)];
+      if (has_ended(task.state) && !task.resumable) continue;
+      if (const Status fits = check_fits(task.spec, options.machine); !fits) {
+        return Error{fmt::format("task \"{}\" {}", task.spec.name, fits.error().message)};
+      }
+    }
+    return {};
+  }
+
+  bool belongs_here(const Event& event, const Record& record) const {
+    const TaskId id{static_cast<int>(record.payload.integer_or("id", -1))};
+    const auto* submitted = std::get_if<Submitted>(&event.what);
+    if (submitted == nullptr) return table.has(id);
+    const auto is_known = [this](const std::string& name) { return table.find(name) != nullptr; };
+    const auto& after = submitted->spec.after;
+    return id.value == static_cast<int>(table.tasks.size()) && std::all_of(after.begin(), after.end(), is_known);
+  }
+
+  Status begin() {
+    const bool is_new = journal.records().empty();
+    if (run_id.empty()) run_id = new_run_id();
+    json::Value nodes = json::Value::array();
+    for (const Node& node : options.machine.nodes) {
+      nodes.push(json::Value::object({{"name", node.name}, {"cores", node.cpus.size()}}));
+    }
+    GRANARY_CHECK(record("pilot.open", json::Value::object({{"time_s", now()},
+                                                            {"run_id", run_id},
+                                                            {"pid", static_cast<int>(getpid())},
+                                                            {"version", version()},
+                                                            {"nodes", std::move(nodes)}})));
+    if (!is_new) GRANARY_CHECK(take_up());
+    return {};
+  }
+
+  /// Ends the orphans of the last pilot and queues their tasks again, and those that it had stopped itself.
+  Status take_up() {
+    for (const TaskId id : active_tasks()) {
+      const Task& task = table.at(id);
+      const bool was_alive = launcher.end_orphan({task.last().pid, task.last().start_ticks}, mark_of(task.attempt_id()));
+      GRANARY_CHECK(decide({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
+                                                                     : "the pilot died, and the task with it"}}));
+    }
+    for (std::size_t k = 0; k < table.tasks.size(); ++k) {
+      if (table.tasks[k].resumable) GRANARY_CHECK(decide({now(), Reopened{table.tasks[k].id}}));
+    }
+    idle_told = false;
+    schedule_soon();
+    return {};
+  }
+};
+
+Pilot::Pilot(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Pilot::~Pilot() {
+  if (state_) (void)state_->journal.append("pilot.close", json::Value::object({{"time_s", now()}}));
+}
+
+Result<std::unique_ptr<Pilot>> Pilot::open(PilotOptions options, EventLoop& loop, Launcher& launcher, Journal& journal) {
+  std::error_code error;
+  options.dir = fs::absolute(options.dir, error).lexically_normal();
+  std::unique_ptr<Pilot> pilot(new Pilot(std::make_unique<State>(std::move(options), loop, launcher, journal)));
+  GRANARY_CHECK(pilot->state_->replay());
+  GRANARY_CHECK(pilot->state_->begin());
+  return pilot;
+}
+
+Result<TaskId> Pilot::submit(TaskSpec spec) {
+  State& state = *state_;
+  if (const Task* known = state.table.find(spec.name)) {
+    if (known->spec != spec) {
+      return Error{fmt::format("task \"{}\" is in the journal with other settings; use another name, or another folder (--dir)", spec.name)};
+    }
+    if (has_ended(known->state)) state.act(Report{known->id});
+    return known->id;
+  }
+  if (spec.name.empty() || spec.command.empty() || spec.command[0].empty()) {
+    return Error{fmt::format("task \"{}\" has no {}", spec.name, spec.name.empty() ? "name" : "command")};
+  }
+  for (const std::string& before : spec.after) {
+    if (state.table.find(before) != nullptr) continue;
+    return Error{fmt::format("task \"{}\" comes after \"{}\", which has not been submitted", spec.name, before)};
+  }
+  if (const Status fits = check_fits(spec, state.options.machine); !fits) {
+    return Error{fmt::format("task \"{}\" {}", spec.name, fits.error().message)};
+  }
+  const TaskId id{static_cast<int>(state.table.tasks.size())};
+  ++state.folders[state.folder_of(spec)];
+  state.idle_told = false;
+  GRANARY_CHECK(state.decide({now(), Submitted{id, std::move(spec)}}));
+  return id;
+}
+
+void Pilot::stop(TaskId id, const std::string& reason) {
+  if (state_->table.has(id) && !has_ended(state(id))) state_->observe({now(), StopAsked{id, reason, false}});
+}
+
+void Pilot::stop_all(const std::string& reason) {
+  if (state_->stopping) return;
+  state_->stopping = true;
+  state_->stop_reason = reason;
+  state_->stop_active();
+}
+
+bool Pilot::stopping() const { return state_->stopping; }
+void Pilot::on_end(std::function<void(const TaskEnd&)> callback) { state_->end_callbacks.push_back(std::move(callback)); }
+void Pilot::on_idle(std::function<void()> callback) { state_->idle_callbacks.push_back(std::move(callback)); }
+bool Pilot::idle() const { return state_->idle(); }
+const std::optional<Error>& Pilot::failure() const { return state_->failure; }
+
+std::optional<TaskId> Pilot::find(const std::string& name) const {
+  const Task* task = state_->table.find(name);
+  return task == nullptr ? std::nullopt : std::optional(task->id);
+}
+
+TaskState Pilot::state(TaskId id) const { return state_->table.at(id).state; }
+const TaskSpec& Pilot::spec(TaskId id) const { return state_->table.at(id).spec; }
+
+std::optional<TaskEnd> Pilot::end(TaskId id) const {
+  const Task& task = state_->table.at(id);
+  if (!has_ended(task.state)) return std::nullopt;
+  return end_of(task, state_->folder_of(task.spec));
+}
+
+std::vector<TaskEnd> Pilot::ends() const {
+  std::vector<TaskEnd> ends;
+  for (const Task& task : state_->table.tasks) {
+    if (has_ended(task.state)) ends.push_back(end_of(task, state_->folder_of(task.spec)));
+  }
+  return ends;
+}
+
+double Pilot::now() const { return state_->now(); }
+const Machine& Pilot::machine() const { return state_->options.machine; }
+Usage Pilot::usage() const { return usage_of(state_->table, machine().n_cores(), now()); }
+std::vector<Interval> Pilot::timeline() const { return timeline_of(state_->table, now()); }
+
+json::Value Pilot::status() const {
+  json::Value status = status_of(state_->table, state_->resources, now());
+  status.set("stopping", state_->stopping);
+  if (state_->failure) status.set("failure", state_->failure->message);
+  return status;
+}
+
+Result<std::string> Pilot::explain(const std::string& name) const {
+  if (const Task* task = state_->table.find(name)) {
+    return granary::pilot::explain(*task, state_->table, state_->resources, now(), state_->stopping);
+  }
+  std::vector<std::string> names;
+  for (const Task& task : state_->table.tasks) names.push_back(task.spec.name);
+  const std::string near = json::did_you_mean(name, names);
+  return Error{fmt::format("no task is called \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near))};
+}
+
+json::Value Pilot::answer(const json::Value& request) {
+  const auto refuse = [](const std::string& why) { return json::Value::object({{"error", why}}); };
+  const std::string ask = request.text_or("ask", ""), name = request.text_or("task", "");
+  if (ask == "status") return status();
+  if (ask == "explain") {
+    const auto text = explain(name);
+    return text ? json::Value::object({{"text", *text}}) : refuse(text.error().message);
+  }
+  if (ask != "stop") return refuse(fmt::format("cannot \"{}\"; known are status, stop, explain", ask));
+  const std::string reason = request.text_or("reason", "asked to stop");
+  if (name.empty()) {
+    stop_all(reason);
+  } else if (const auto id = find(name)) {
+    stop(*id, reason);
+  } else {
+    return refuse(explain(name).error().message);
+  }
+  return json::Value::object({{"stopping", name.empty() ? "all" : name}});
+}
+
+}  // namespace granary::pilot
