@@ -1,0 +1,218 @@
+#include "pbm_solver/time/integrator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace granary::pbm {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMargin = 0.9;          // of the longest step that keeps a class positive
+constexpr double kSmall = 1e-3;          // times the tolerance: share of a compartment's solids a small class holds
+constexpr double kLongestGrowth = 3.0;
+constexpr int kMostAttempts = 200;
+constexpr std::size_t kQuantities = 4;   // number, solid volume, liquid, gas
+constexpr std::array<const char*, kQuantities> kQuantityNames{"number", "solid volume", "liquid", "gas"};
+
+}  // namespace
+
+Integrator::Integrator(CompartmentRow& row, Exchange& exchange, int n_compartments, double relative_tolerance, double last_error)
+    : row_(&row),
+      exchange_(&exchange),
+      n_compartments_(static_cast<std::size_t>(n_compartments)),
+      tolerance_(relative_tolerance),
+      control_(last_error),
+      small_(row.compartments() * row.classes()),
+      slow_down_(row.compartments()),
+      shorten_(row.compartments()),
+      first_loss_(row.compartments() * row.classes()) {
+  for (auto* list : {&f0_, &f1_, &f2_, &f3_, &stage_, &new_state_, &first_rates_}) list->resize(row.size());
+}
+
+void Integrator::evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs,
+                          std::vector<double>& rates) {
+  row_->rates(state, participation, inputs, rates);
+  ++work_.rhs_evaluations;
+}
+
+void Integrator::mark_small_classes(std::span<const double> state) {
+  const std::span<const double> solid = row_->grid().solid();
+  for (std::size_t x = 0; x < row_->compartments(); ++x) {
+    const Fields f = row_->fields(state, x);
+    double total = 0.0;
+    for (std::size_t k = 0; k < row_->classes(); ++k) total += solid[k] * f.number[k];
+    for (std::size_t k = 0; k < row_->classes(); ++k)
+      small_[x * row_->classes() + k] = solid[k] * f.number[k] < kSmall * tolerance_ * total;
+  }
+}
+
+/// Fills f0_ for a step of at most h and returns the step: short enough that no class but small ones is emptied in h/2, with the small
+/// ones slowed down as far as they need.
+double Integrator::limit_first_stage(std::span<const double> state, Inputs inputs, double h) {
+  const std::size_t n = row_->classes();
+  // Emptied by more than aggregation and breakage, or not small: the step has to give way.
+  const auto may_slow_down = [&](std::size_t x, std::size_t k, double step) {
+    return small_[x * n + k] && 0.5 * step * first_loss_[x * n + k] > kMargin;
+  };
+  std::vector<double> limits(row_->compartments(), kInfinity), all(n_compartments_);
+  for (std::size_t x = 0; x < row_->compartments(); ++x)
+    for (std::size_t q = 0; q < 3; ++q)
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t at = x * row_->stride() + q * n + k;
+        if (state[at] + 0.5 * h * first_rates_[at] < 0.0 && !may_slow_down(x, k, h))
+          limits[x] = std::min(limits[x], kMargin * 2.0 * state[at] / -first_rates_[at]);
+      }
+  exchange_->gather(limits, all);
+  h = std::min(h, *std::min_element(all.begin(), all.end()));
+
+  std::fill(slow_down_.begin(), slow_down_.end(), 0.0);
+  participation_.assign(row_->compartments() * n, 1.0);
+  for (std::size_t x = 0; x < row_->compartments(); ++x)
+    for (std::size_t q = 0; q < 3; ++q)
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t at = x * row_->stride() + q * n + k;
+        if (!(state[at] + 0.5 * h * first_rates_[at] < 0.0) || !may_slow_down(x, k, h)) continue;
+        participation_[x * n + k] = kMargin / (0.5 * h * first_loss_[x * n + k]);
+        slow_down_[x] = 1.0;
+      }
+  exchange_->gather(slow_down_, all);
+  if (*std::max_element(all.begin(), all.end()) > 0.0) {
+    evaluate(state, participation_, inputs, f0_);
+  } else {
+    participation_.clear();
+    f0_ = first_rates_;
+  }
+  return h;
+}
+
+/// Notes which compartments have a negative class in a stage, and slows down the small ones among these for a repeated step.
+void Integrator::check(std::span<const double> stage) {
+  const std::size_t n = row_->classes();
+  for (std::size_t x = 0; x < row_->compartments(); ++x)
+    for (std::size_t q = 0; q < 3; ++q)
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t at = x * row_->stride() + q * n + k;
+        if (!(stage[at] < 0.0)) continue;
+        (small_[x * n + k] ? slow_down_ : shorten_)[x] = 1.0;
+        if (!small_[x * n + k]) continue;
+        if (participation_.empty()) participation_.assign(row_->compartments() * n, 1.0);
+        participation_[x * n + k] *= 0.5;
+      }
+}
+
+void Integrator::run_stages(std::span<const double> u, Inputs inputs, double h) {
+  std::fill(slow_down_.begin(), slow_down_.end(), 0.0);
+  std::fill(shorten_.begin(), shorten_.end(), 0.0);
+  const std::vector<double> during = participation_;
+  const std::size_t size = row_->size();
+  for (std::size_t k = 0; k < size; ++k) stage_[k] = u[k] + 0.5 * h * f0_[k];
+  check(stage_);
+  evaluate(stage_, during, inputs, f1_);
+  for (std::size_t k = 0; k < size; ++k) stage_[k] += 0.5 * h * f1_[k];
+  check(stage_);
+  evaluate(stage_, during, inputs, f2_);
+  for (std::size_t k = 0; k < size; ++k) stage_[k] = (2.0 * u[k] + (stage_[k] + 0.5 * h * f2_[k])) / 3.0;
+  check(stage_);
+  evaluate(stage_, during, inputs, f3_);
+  for (std::size_t k = 0; k < size; ++k) new_state_[k] = stage_[k] + 0.5 * h * f3_[k];
+  check(new_state_);
+}
+
+/// The same on every rank: all look at all compartments in their order.
+Integrator::Judgement Integrator::judge(std::span<const double> state, double h) {
+  constexpr std::size_t kEach = 2 * kQuantities + 2;
+  const std::size_t n = row_->classes();
+  std::vector<double> mine(row_->compartments() * kEach), all(n_compartments_ * kEach);
+  for (std::size_t x = 0; x < row_->compartments(); ++x) {
+    double* error = &mine[x * kEach];
+    double* held = error + kQuantities;
+    std::array<double, kQuantities> before{};
+    for (std::size_t q = 0; q < 3; ++q)
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t at = x * row_->stride() + q * n + k;
+        const double e = std::abs(h * (3.0 * f3_[at] - f0_[at] - f1_[at] - f2_[at]) / 12.0);
+        const std::size_t to = q == 0 ? 0 : q + 1;
+        error[to] += e, held[to] += new_state_[at], before[to] += state[at];
+        if (q > 0) continue;
+        const double s = row_->grid().solid()[k];
+        error[1] += s * e, held[1] += s * new_state_[at], before[1] += s * state[at];
+      }
+    for (std::size_t q = 0; q < kQuantities; ++q) held[q] = std::max(held[q], before[q]);
+    error[2 * kQuantities] = slow_down_[x];
+    error[2 * kQuantities + 1] = shorten_[x];
+  }
+  exchange_->gather(mine, all);
+
+  Judgement judgement;
+  std::array<double, kQuantities> mean{};
+  for (std::size_t x = 0; x < n_compartments_; ++x)
+    for (std::size_t q = 0; q < kQuantities; ++q) mean[q] += all[x * kEach + kQuantities + q] / static_cast<double>(n_compartments_);
+  for (std::size_t x = 0; x < n_compartments_; ++x) {
+    const double* error = &all[x * kEach];
+    const double* held = error + kQuantities;
+    if (error[2 * kQuantities] > 0.0 && judgement.verdict == Verdict::fine) judgement.verdict = Verdict::throttle;
+    if (error[2 * kQuantities + 1] > 0.0) judgement.verdict = Verdict::shorten;
+    for (std::size_t q = 0; q < kQuantities; ++q) {
+      double scale = held[q] + 1e-3 * mean[q];
+      if (q > 1) scale += 1e-3 * (held[1] + 1e-3 * mean[1]);
+      const double relative = error[q] == 0.0 ? 0.0 : error[q] / (tolerance_ * scale);
+      if (!(relative <= judgement.error)) {
+        judgement.error = std::isnan(relative) ? kInfinity : relative;
+        judgement.worst_compartment = static_cast<int>(x);
+        judgement.worst_quantity = static_cast<int>(q);
+      }
+    }
+  }
+  return judgement;
+}
+
+Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest, double shortest) {
+  mark_small_classes(state);
+  evaluate(state, {}, inputs, first_rates_);
+  for (std::size_t x = 0; x < row_->compartments(); ++x)
+    std::copy(row_->loss_rate(x).begin(), row_->loss_rate(x).end(), first_loss_.begin() + static_cast<std::ptrdiff_t>(x * row_->classes()));
+  const double asked = h;
+  Judgement last;
+  bool repeat = false;  // the same step again, with classes slowed down further
+  for (int attempt = 0; attempt < kMostAttempts && h >= shortest; ++attempt) {
+    if (repeat) {
+      evaluate(state, participation_, inputs, f0_);
+    } else {
+      h = limit_first_stage(state, inputs, h);
+    }
+    run_stages(state, inputs, h);
+    last = judge(state, h);
+    repeat = last.verdict == Verdict::throttle && attempt % 8 != 7;
+    if (last.verdict == Verdict::fine && last.error <= 1.0) {
+      std::copy(new_state_.begin(), new_state_.end(), state.begin());
+      ++work_.steps;
+      return Step{h, next_step(h, longest, h == asked && h < longest, last.error)};
+    }
+    ++work_.rejected;
+    if (!repeat) h *= last.verdict == Verdict::fine ? StepControl::rejected(last.error) : 0.5;
+  }
+  return too_hard(time, h, last);
+}
+
+/// A step cut short by an output time says nothing against the longer one that was wanted, and is not remembered.
+double Integrator::next_step(double taken, double longest, bool was_cut, double error) {
+  if (was_cut) return std::max(longest, taken * StepControl(control_).accepted(error, kLongestGrowth));
+  return taken * control_.accepted(error, kLongestGrowth);
+}
+
+Error Integrator::too_hard(double time, double h, const Judgement& last) const {
+  return {fmt::format("the tolerance cannot be kept: at {:g} s the step fell to {:g} s, compartment {}, because {}. "
+                      "Look at /relative_tolerance (now {:g}), /aggregation/rate, /breakage/rate and the rates in /dem, and at "
+                      "/grid (its largest classes may react far faster than the rest).",
+                      time, h, last.worst_compartment,
+                      last.verdict == Verdict::shorten ? std::string("a class would become negative")
+                                                       : fmt::format("of its {}", kQuantityNames[last.worst_quantity]),
+                      tolerance_),
+          kToleranceNotKept};
+}
+
+}  // namespace granary::pbm

@@ -1,0 +1,76 @@
+#include "pbm_solver/time/simulation.hpp"
+
+#include <algorithm>
+
+namespace granary::pbm {
+namespace {
+
+// Of the time between outputs: the first step, and the step below which a run is given up.
+constexpr double kFirstStep = 1e-2;
+constexpr double kShortestStep = 1e-10;
+constexpr double kRoundOff = 1e-10;
+
+}  // namespace
+
+Simulation::Simulation(const PbmCase& c, const Snapshot& start, Exchange& exchange, int threads)
+    : tables_(std::make_unique<ModelTables>(c)),
+      exchange_(&exchange),
+      row_(*tables_, exchange, threads),
+      integrator_(row_, exchange, c.compartments.count, c.relative_tolerance, start.last_error),
+      state_(row_.size()),
+      time_(start.time),
+      next_step_(start.next_step > 0.0 ? start.next_step : kFirstStep * c.output_every) {
+  const std::size_t n = row_.classes(), first = static_cast<std::size_t>(exchange.share().first);
+  for (std::size_t x = 0; x < row_.compartments(); ++x) {
+    double* to = &state_[x * row_.stride()];
+    for (const auto* field : {&start.number, &start.liquid, &start.gas})
+      to = std::copy_n(field->begin() + static_cast<std::ptrdiff_t>((first + x) * n), n, to);
+    std::copy_n(start.ledger.begin() + static_cast<std::ptrdiff_t>((first + x) * ledger::kSize), ledger::kSize, to);
+  }
+}
+
+double Simulation::next_switch(double until) const {
+  const PbmCase& c = tables_->pbm_case;
+  std::vector<double> times{until};
+  if (c.feed) times.insert(times.end(), {c.feed->start, c.feed->end});
+  if (c.spray) times.insert(times.end(), {c.spray->start, c.spray->end});
+  double next = until;
+  for (const double t : times)
+    if (t > time_) next = std::min(next, t);
+  return next;
+}
+
+Result<bool> Simulation::advance(double until, const std::function<bool()>& go_on) {
+  const double shortest = kShortestStep * tables_->pbm_case.output_every;
+  while (time_ < until) {
+    const double stop = next_switch(until);
+    const double left = stop - time_;
+    // The last two steps to a stop are equal, so that none is very short.
+    const bool last = next_step_ >= left * (1.0 - kRoundOff);
+    const double h = last ? left : std::min(next_step_, 0.5 * left);
+    GRANARY_TRY(const Integrator::Step step, integrator_.step(state_, time_, inputs_at(tables_->pbm_case, time_), h, next_step_,
+                                                              std::min(shortest, 0.5 * left)));
+    time_ = last && step.taken == h ? stop : time_ + step.taken;
+    next_step_ = step.next;
+    if (!go_on()) return time_ >= until;
+  }
+  return true;
+}
+
+Snapshot Simulation::snapshot() {
+  const std::size_t n = row_.classes(), n_compartments = static_cast<std::size_t>(tables_->pbm_case.compartments.count);
+  std::vector<double> all(n_compartments * row_.stride());
+  exchange_->gather(state_, all);
+  Snapshot s{time_, next_step_, integrator_.last_error(), {}, {}, {}, {}};
+  for (std::size_t x = 0; x < n_compartments; ++x) {
+    auto from = all.begin() + static_cast<std::ptrdiff_t>(x * row_.stride());
+    for (auto* field : {&s.number, &s.liquid, &s.gas}) {
+      field->insert(field->end(), from, from + static_cast<std::ptrdiff_t>(n));
+      from += static_cast<std::ptrdiff_t>(n);
+    }
+    s.ledger.insert(s.ledger.end(), from, from + static_cast<std::ptrdiff_t>(ledger::kSize));
+  }
+  return s;
+}
+
+}  // namespace granary::pbm

@@ -1,0 +1,46 @@
+// A run of one case in memory: the state, the clock, and going on to a given time. Files and signals are its caller's.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "common/result.hpp"
+#include "pbm_solver/time/compartment_row.hpp"
+#include "pbm_solver/time/exchange.hpp"
+#include "pbm_solver/time/integrator.hpp"
+#include "pbm_solver/time/snapshot.hpp"
+
+namespace granary::pbm {
+
+class Simulation {
+ public:
+  /// Starts from a snapshot of the same grid and number of compartments. `exchange` must outlive it.
+  Simulation(const PbmCase& pbm_case, const Snapshot& start, Exchange& exchange, int threads);
+
+  double time() const { return time_; }
+  double next_step() const { return next_step_; }
+  const WorkCount& work() const { return integrator_.work(); }
+  const ClassGrid& grid() const { return tables_->grid; }
+  const PbmCase& pbm_case() const { return tables_->pbm_case; }
+
+  /// Integrates to `until` exactly, ending steps also where feed or spray are switched. Collective. After each step
+  /// `go_on` is asked (on every rank, with the same answer); false ends early. Returns whether `until` was reached.
+  Result<bool> advance(double until, const std::function<bool()>& go_on = [] { return true; });
+
+  /// The state of all compartments, on every rank. Collective.
+  Snapshot snapshot();
+
+ private:
+  double next_switch(double until) const;
+
+  std::unique_ptr<ModelTables> tables_;  ///< the row points into it
+  Exchange* exchange_;
+  CompartmentRow row_;
+  Integrator integrator_;
+  std::vector<double> state_;
+  double time_;
+  double next_step_;
+};
+
+}  // namespace granary::pbm
