@@ -11,6 +11,7 @@ namespace granary::monitor {
 
 namespace {
 constexpr std::size_t kBatches = 10;
+constexpr double kMostCorrelation = 0.95;
 constexpr double kInstant = 1e-9;  // slack for times that are sums of windows [s]
 
 std::string place(const Property& property) {
@@ -76,16 +77,22 @@ Verdict Criteria::ended() const {
   return said;
 }
 
+/// Whoever looks often enough sees any noise: the bound grows with the number of looks, one a row.
+double Criteria::errors_allowed(std::size_t looks) const {
+  return std::sqrt(options_.significance * options_.significance + 2.0 * std::log(static_cast<double>(looks)));
+}
+
 Verdict Criteria::drifted() const {
   const auto span = static_cast<std::size_t>(options_.average);
   if (!options_.watch_drift || rows_.size() < first_ + 2 * span) return {};
+  const double allowed = errors_allowed(rows_.size() - first_ - span);
   Verdict worst;
   for (std::size_t p = 0; p < properties_.size(); ++p) {
     const Mean before = mean(p, first_, span), now = mean(p, rows_.size() - span, span);
     if (!before.known() || !now.known() || before.denominator() <= 0.0) continue;
     const double change = (now.value - before.value) / before.denominator();
     const double noise = std::hypot(before.error, now.error) / before.denominator();
-    if (std::abs(change) <= options_.threshold || std::abs(change) <= options_.significance * noise) continue;
+    if (std::abs(change) <= options_.threshold || std::abs(change) <= allowed * noise) continue;
     if (std::abs(change) <= std::abs(worst.change)) continue;
     worst = verdict(Outcome::drifted, &properties_[p]);
     worst.reference = before.value;
@@ -108,8 +115,7 @@ Verdict Criteria::steady() const {
   while (first > first_ && rows_[first - 1].begin >= from - kInstant) --first;
   if (rows_.size() < first + 2 * span) return {};
 
-  const double looks = static_cast<double>(rows_.size() - first) / static_cast<double>(span);
-  const double allowed = std::sqrt(2.0 * (options_.significance * options_.significance + 2.0 * std::log(looks)));
+  const double allowed = std::sqrt(2.0) * errors_allowed(rows_.size() - first);  // max and min both have an error
   Verdict most = verdict(Outcome::steady, nullptr);
   bool sure = false;
   for (std::size_t p = 0; p < properties_.size(); ++p) {
@@ -151,12 +157,17 @@ Verdict Criteria::converged() const {
   for (std::size_t p = 0; p < properties_.size(); ++p) {
     const Mean all = mean(p, first, batch * kBatches);
     if (!all.known() || all.denominator() <= 0.0) continue;
-    double scatter = 0.0;
+    double scatter = 0.0, correlation = 0.0, last = 0.0;
     for (std::size_t b = 0; b < kBatches; ++b) {
       const double deviation = mean(p, first + b * batch, batch).value - all.value;
       scatter += deviation * deviation;
+      correlation += deviation * last;
+      last = deviation;
     }
-    scatter = std::sqrt(scatter / (kBatches * (kBatches - 1)));
+    // Batches that follow each other closely are not ten independent values: a trend is not known better for its
+    // length.
+    const double rho = scatter > 0.0 ? std::clamp(correlation / scatter, 0.0, kMostCorrelation) : 0.0;
+    scatter = std::sqrt(scatter / (kBatches * (kBatches - 1)) * (1.0 + rho) / (1.0 - rho));
     // Counting is the least error a count can have; for a mean over the same particles the scatter in time is what
     // matters.
     const double error = std::max(scatter, properties_[p].independent ? all.error : 0.0) / all.denominator();

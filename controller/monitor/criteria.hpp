@@ -45,16 +45,15 @@ class Criteria {
 
   /// The first outcome other than `none` is final; order where several hold: drifted, steady, converged.
   ///
-  ///   drifted    |mean of the last `average` rows - mean of the first `average` rows after the grace time| > threshold
-  ///   * reference
-  ///              and > significance * its standard error, both signs, for any property
-  ///   steady     (max - min) of the running means over the steady window <= threshold * mean for every property, or
-  ///   within
-  ///              what counting noise does among that many looks: sqrt(significance^2 + 2 ln looks) standard errors;
-  ///              at least one property must be sure enough to have shown a move of the threshold
+  ///   drifted    |mean of the last `average` rows - mean of the first `average` rows after the grace time|
+  ///              > threshold * reference, and beyond its noise, for any property; both signs
+  ///   steady     (max - min) of the running means over the steady window <= threshold * mean, or within its noise,
+  ///              for every property; at least one property must be sure enough to have shown a move of the threshold
   ///   converged  standard error of the mean over all rows after the grace time <= tolerance * mean for every property;
-  ///   the larger
-  ///              of the counting error and the scatter of ten batch means
+  ///              the larger of the counting error and the scatter of ten batch means, widened by their correlation
+  ///
+  /// Noise is sqrt(significance^2 + 2 ln looks) standard errors of the difference by counting statistics, looks being
+  /// the rows compared so far: someone who looks a thousand times must not be surprised by 3 sigma.
   Verdict add(Row row);
 
   /// What there is to say when no more rows will come: `ended`.
@@ -64,6 +63,7 @@ class Criteria {
  private:
   struct Mean;
   Mean mean(std::size_t property, std::size_t first, std::size_t count) const;
+  double errors_allowed(std::size_t looks) const;
   Verdict drifted() const;
   Verdict steady() const;
   Verdict converged() const;

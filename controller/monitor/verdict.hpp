@@ -24,8 +24,7 @@ std::string_view name(Outcome outcome);  ///< "drifted"
 std::optional<Outcome> outcome_named(std::string_view name);
 int exit_code(Outcome outcome);  ///< 10 drifted, 11 steady, 12 converged, 20 diverged, 0 otherwise
 
-/// A verdict with the numbers that led to it. `watched`/`where` name the property that decided: the one that moved
-/// most.
+/// A verdict with the numbers that led to it. `watched`/`where` name the property that decided: it moved most.
 struct Verdict {
   Outcome outcome = Outcome::none;
   std::string watched;       ///< "d50_m", "collisions_per_s", ...; "" if no single property decided

@@ -27,8 +27,7 @@ inline constexpr double kLeastParticles = 20.0;
 inline constexpr double kLeastCounts = 20.0;
 inline constexpr double kLeastShare = 0.05;
 
-/// Defaults of each program: a DEM averages 3 windows and grants 0.2 s; a PBM's rows are exact and count from the
-/// start.
+/// Defaults of each program: a DEM averages 3 windows and grants 0.2 s; a PBM's rows are exact.
 Options default_options(Program program);
 
 class Watch {
