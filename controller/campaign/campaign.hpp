@@ -26,8 +26,9 @@ struct CouplingSettings {
     pbm_only,  ///< the PBM alone, with kernels that need no DEM
   };
   Mode mode = Mode::two_way;
-  double threshold = 0.15;         ///< a watched property moved by more than this share: the other side's turn [-]
-  double steady_window = 5.0;      ///< DEM properties within the threshold for so long of DEM time, counted across bursts: steady [s]
+  double threshold = 0.15;  ///< a watched property moved by more than this share: the other side's turn [-]
+  double steady_window =
+      5.0;  ///< DEM properties within the threshold for so long of DEM time, counted across bursts: steady [s]
   double steady_tolerance = 0.05;  ///< coupled state: largest change between two whole rounds that still is steady [-]
   double significance = 3.0;       ///< a change of a count is one only beyond so many standard errors [-]
   double grace = 0.2;              ///< no verdict on a DEM burst before so much measured DEM time [s]
@@ -41,31 +42,31 @@ struct DemSettings {
     orthokinetic,  ///< C_real = C_dem (d_p + d_q)^3_real / (d_p + d_q)^3_dem
     equal_speed,   ///< C_real = C_dem (d_p + d_q)^2_real / (d_p + d_q)^2_dem: same relative speeds
   };
-  long particles = 2000;                ///< budget: the coarse-graining factor is chosen so that there are about so many
+  long particles = 2000;  ///< budget: the coarse-graining factor is chosen so that there are about so many
   std::optional<double> coarse_graining;  ///< DEM diameter / real diameter; none: chosen from the budget
   CarryBack carry_back = CarryBack::orthokinetic;
-  int size_classes = 6;                 ///< of the DEM particles, and of the tallies
-  double fine_cut = 0.05;               ///< share of the volume, the finest, that rides on the finest class [-]
+  int size_classes = 6;                    ///< of the DEM particles, and of the tallies
+  double fine_cut = 0.05;                  ///< share of the volume, the finest, that rides on the finest class [-]
   std::optional<double> largest_diameter;  ///< of a DEM particle [m]: what the machine's gaps allow; none: no bound
-  std::optional<double> density;        ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
-  double longest_burst = 1.0;           ///< measured DEM time of one burst at most [s]; also dem_case.duration
+  std::optional<double> density;  ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
+  double longest_burst = 1.0;     ///< measured DEM time of one burst at most [s]; also dem_case.duration
 };
 
 struct PbmSettings {
   double longest_burst = 10.0;  ///< process time of one burst at most [s]
   int ranks = 1;
-  int threads = 1;              ///< a rank
+  int threads = 1;  ///< a rank
 };
 
 struct Resources {
   enum class Backend { local };
   Backend backend = Backend::local;
   int nodes = 1;
-  std::optional<int> cores;     ///< a node; none: all that the machine has
+  std::optional<int> cores;  ///< a node; none: all that the machine has
 };
 
 struct Outputs {
-  bool report = true;           ///< write report.html at the end
+  bool report = true;  ///< write report.html at the end
 };
 
 /// What the dry run believes: seconds of one core, and how the monitors would answer.
@@ -92,12 +93,12 @@ struct Campaign {
   pbm::PbmCase pbm_case;  ///< the whole process: end_time is its duration; a burst sets start, end, restart and dem
   dem::DemCase dem_case;  ///< a burst sets population, density, coarse_graining, class edges and restart
   std::array<std::string, 2> solids{"API", "excipient"};  ///< names of the two solid components
-  double feed_rate = 0.0;                 ///< solids fed [kg/s]; 0: none
-  std::vector<double> compartment_edges;  ///< along the machine's axis [m], shape (compartments + 1)
+  double feed_rate = 0.0;                                 ///< solids fed [kg/s]; 0: none
+  std::vector<double> compartment_edges;                  ///< along the machine's axis [m], shape (compartments + 1)
   DemSettings dem;
   PbmSettings pbm;
   CouplingSettings coupling;
-  double duration = 0.0;                  ///< end of the process clock [s]
+  double duration = 0.0;  ///< end of the process clock [s]
 
   // kind tasks
   std::vector<pilot::TaskSpec> tasks;
@@ -106,24 +107,24 @@ struct Campaign {
   Outputs outputs;
   CostModel cost_model;
 
-  std::filesystem::path file;             ///< the workflow as given
-  std::filesystem::path folder;           ///< its folder, absolute: relative paths in it start there
-  json::Value document;                   ///< the workflow as written, overrides applied
+  std::filesystem::path file;    ///< the workflow as given
+  std::filesystem::path folder;  ///< its folder, absolute: relative paths in it start there
+  json::Value document;          ///< the workflow as written, overrides applied
 };
 
 /// Reads a workflow. `overrides` are "/pointer=value" (RFC 6901; the value as JSON, else as text), applied first.
 /// Errors: every problem at once, one line each: FILE: POINTER is VALUE: MESSAGE HINT (Exit::bad_input).
 Result<Campaign> read_campaign(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// Whether every task of the campaign fits on so many nodes of so many cores: what read_campaign() asks of /resources/cores where
-/// that is given, and the runner of the machine it finds itself on.
+/// Whether every task of the campaign fits on so many nodes of so many cores: what read_campaign() asks of
+/// /resources/cores where that is given, and the runner of the machine it finds itself on.
 Status check_resources(const Campaign& campaign, int nodes, int cores_per_node);
 
 /// campaign.json: the workflow as written (what a resume reads again) beside how it was understood, versions and seeds.
 json::Value to_json(const Campaign& campaign);
 
-/// Reads a campaign.json back. Errors: no campaign.json; or this version understands the workflow otherwise than the one
-/// that wrote it (a run must not go on with other settings than it began with).
+/// Reads a campaign.json back. Errors: no campaign.json; or this version understands the workflow otherwise than the
+/// one that wrote it (a run must not go on with other settings than it began with).
 Result<Campaign> read_written_campaign(const std::filesystem::path& file);
 
 }  // namespace granary::campaign

@@ -1,10 +1,7 @@
 #include "controller/campaign/campaign_schema.hpp"
 
-#include <algorithm>
-
 #include "common/json/io.hpp"
 #include "common/json/schema.hpp"
-#include "controller/campaign/pointer.hpp"
 #include "controller/campaign/workflow_schema_text.hpp"
 
 namespace granary::campaign {
@@ -15,16 +12,7 @@ const json::Value& workflow_schema() {
 }
 
 Status validate_workflow(const json::Value& document, const std::string& file, json::Problems& problems) {
-  json::Problems found;
-  GRANARY_CHECK(json::validate(document, workflow_schema(), file, found));
-  const auto known = problems.list();
-  for (const json::Problem& problem : found.list()) {
-    const auto same_place = [&](const json::Problem& other) {
-      return is_within(other.pointer, problem.pointer) || is_within(problem.pointer, other.pointer);
-    };
-    if (std::none_of(known.begin(), known.end(), same_place)) problems.add(problem);
-  }
-  return {};
+  return json::validate(document, workflow_schema(), file, problems);
 }
 
 }  // namespace granary::campaign

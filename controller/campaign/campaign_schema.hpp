@@ -9,8 +9,7 @@ namespace granary::campaign {
 
 const json::Value& workflow_schema();
 
-/// Holds a workflow against the schema. Only places where nothing is known to be wrong yet get a problem: ours say more.
-/// Errors: the schema cannot be used (our own mistake).
+/// Holds a workflow against the schema. Errors: the schema cannot be used (our own mistake).
 Status validate_workflow(const json::Value& document, const std::string& file, json::Problems& problems);
 
 }  // namespace granary::campaign

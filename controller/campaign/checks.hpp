@@ -6,7 +6,8 @@
 
 namespace granary::campaign {
 
-/// Adds what does not fit together. A rule over a setting that already has a problem is left out: its value is only a default.
+/// Adds what does not fit together. A rule over a setting that already has a problem is left out: its value is only a
+/// default.
 void check_together(const Campaign& campaign, json::Problems& problems);
 
 /// Whether every task fits on so many nodes of so many cores.

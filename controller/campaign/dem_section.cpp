@@ -31,11 +31,13 @@ void read_seed(json::Reader& reader, long& seed) {
 }
 
 void read_scaling(json::Reader& reader, DemSettings& dem) {
-  dem.particles = reader.integer_or("particles", dem.particles, Range::between(1, 1e9));
+  dem.particles = reader.integer_or("particles", dem.particles, Range::at_least(1));
   if (!is_auto(reader, "coarse_graining")) {
     const json::Value* written = reader.raw("coarse_graining");
-    if (written->is_number()) dem.coarse_graining = reader.number_or("coarse_graining", 1.0, Range::at_least(1.0));
-    else reader.problem("coarse_graining", "it must be \"auto\" or a number >= 1.");
+    if (written->is_number())
+      dem.coarse_graining = reader.number_or("coarse_graining", 1.0, Range::at_least(1.0));
+    else
+      reader.problem("coarse_graining", "it must be \"auto\" or a number >= 1.");
   }
   if (!is_auto(reader, "particle_density"))
     dem.density = reader.quantity_or("particle_density", 1000.0, "kg/m^3", Range::positive());

@@ -40,7 +40,8 @@ void read_bowl(json::Reader& reader, dem::Machine& machine) {
   bowl.impeller_pitch = reader.quantity_or("impeller_pitch", bowl.impeller_pitch, "rad", {0.0, 1.58, false, true});
   read_length(reader, "chopper_diameter", bowl.chopper_diameter);
   read_count(reader, "chopper_blades", bowl.chopper_blades);
-  machine.chopper_speed = reader.quantity_or("chopper_speed", machine.chopper_speed, "rad/s", json::Range::not_negative());
+  machine.chopper_speed =
+      reader.quantity_or("chopper_speed", machine.chopper_speed, "rad/s", json::Range::not_negative());
 }
 
 /// A setting of the other type of machine is known, but has no business here.
@@ -55,8 +56,8 @@ void read_dimensions(json::Reader& reader, dem::Machine& machine) {
   if (machine.type == dem::Machine::Type::cm5) {
     read_mixer(reader, machine.mixer);
     refuse_others(reader, "cm5", "batch_bowl",
-                  {"bottom_diameter", "cylinder_height", "cover_diameter", "cover_height", "lid_height", "impeller_blades",
-                   "impeller_pitch", "chopper_diameter", "chopper_blades", "chopper_speed"});
+                  {"bottom_diameter", "cylinder_height", "cover_diameter", "cover_height", "lid_height",
+                   "impeller_blades", "impeller_pitch", "chopper_diameter", "chopper_blades", "chopper_speed"});
   } else {
     read_bowl(reader, machine);
     refuse_others(reader, "batch_bowl", "cm5",
@@ -85,6 +86,8 @@ void read_machine(json::Reader& root, Campaign& campaign, json::Problems& proble
   machine.type = type == "cm5" ? dem::Machine::Type::cm5 : dem::Machine::Type::batch_bowl;
   read_dimensions(reader, machine);
   machine.impeller_speed = reader.quantity("impeller_speed", "rad/s", json::Range::positive());
+  machine.refinement =
+      static_cast<int>(reader.integer_or("refinement", machine.refinement, json::Range::between(1, 16)));
   machine.shell_stl = read_mesh(reader, "shell_stl", campaign);
   machine.impeller_stl = read_mesh(reader, "impeller_stl", campaign);
 

@@ -22,8 +22,10 @@ void read_solids(json::Reader& materials, Campaign& campaign) {
 
 void read_liquid(json::Reader liquid, pbm::Materials& materials) {
   materials.liquid_density = liquid.quantity_or("density", materials.liquid_density, "kg/m^3", json::Range::positive());
-  materials.liquid_viscosity = liquid.quantity_or("viscosity", materials.liquid_viscosity, "Pa s", json::Range::positive());
-  materials.saturation_factor = liquid.number_or("saturation_factor", materials.saturation_factor, json::Range::fraction());
+  materials.liquid_viscosity =
+      liquid.quantity_or("viscosity", materials.liquid_viscosity, "Pa s", json::Range::positive());
+  materials.saturation_factor =
+      liquid.number_or("saturation_factor", materials.saturation_factor, json::Range::fraction());
   liquid.done();
 }
 
@@ -34,7 +36,8 @@ void read_contact(json::Reader section, dem::Contact& contact) {
   contact.poisson_ratio = section.number_or("poisson_ratio", contact.poisson_ratio, json::Range::between(0.0, 0.49));
   contact.restitution = section.number_or("restitution", contact.restitution, {0.0, 1.0, false, true});
   contact.friction = section.number_or("friction", contact.friction, json::Range::not_negative());
-  contact.rolling_friction = section.number_or("rolling_friction", contact.rolling_friction, json::Range::not_negative());
+  contact.rolling_friction =
+      section.number_or("rolling_friction", contact.rolling_friction, json::Range::not_negative());
   section.done();
 }
 

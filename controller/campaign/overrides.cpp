@@ -14,7 +14,8 @@ using Nodes = std::vector<const json::Value*>;
 
 /// What a place may be: the schema's node with its references followed and its alternatives side by side.
 void expand(const json::Value& schema, const json::Value& node, Nodes& into) {
-  if (const json::Value* reference = node.find("$ref")) return expand(schema, *find(schema, reference->as_string().substr(1)), into);
+  if (const json::Value* reference = node.find("$ref"))
+    return expand(schema, *find(schema, reference->as_string().substr(1)), into);
   into.push_back(&node);
   for (const char* choice : {"oneOf", "anyOf"})
     if (const json::Value* alternatives = node.find(choice))
@@ -60,8 +61,8 @@ void places_named(const json::Value& schema, const Nodes& nodes, const std::stri
   }
 }
 
-std::string suggestion(const json::Value& schema, const Nodes& here, const std::string& at, const std::vector<std::string>& steps,
-                       std::size_t wrong) {
+std::string suggestion(const json::Value& schema, const Nodes& here, const std::string& at,
+                       const std::vector<std::string>& steps, std::size_t wrong) {
   std::vector<std::string> places;
   places_named(schema, {&schema}, steps.back(), "", places);
   if (places.size() == 1) return "Did you mean " + places.front() + "?";
@@ -82,8 +83,8 @@ std::optional<std::string> unknown_setting(const json::Value& schema, const std:
   return std::nullopt;
 }
 
-/// The place of the last step, made where the document lacks it; nullptr where a list has no such item, or something single is
-/// in the way.
+/// The place of the last step, made where the document lacks it; nullptr where a list has no such item, or something
+/// single is in the way.
 json::Value* place_of(json::Value& document, const std::vector<std::string>& steps) {
   json::Value* at = &document;
   for (const std::string& step : steps) {
@@ -92,7 +93,8 @@ json::Value* place_of(json::Value& document, const std::vector<std::string>& ste
       if (index < 0) return nullptr;
       if (index == static_cast<long>(at->size())) at->push({});
       at = &at->items()[static_cast<std::size_t>(index)];
-    } else if (at->is_object() || (at->is_null() && index_of(step, 0) < 0 && !std::isdigit(static_cast<unsigned char>(step[0])))) {
+    } else if (at->is_object() ||
+               (at->is_null() && index_of(step, 0) < 0 && !std::isdigit(static_cast<unsigned char>(step[0])))) {
       if (at->find(step) == nullptr) at->set(step, {});
       at = at->find(step);
     } else {

@@ -1,4 +1,5 @@
-// pbm: the grid, the mechanisms that are modelled, and how the balance is integrated. A mechanism left out is not modelled.
+// pbm: the grid, the mechanisms that are modelled, and how the balance is integrated. A mechanism left out is not
+// modelled.
 #include "common/json/reader.hpp"
 #include "controller/campaign/sections.hpp"
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kSmallestFed = 5e-16;  // of each solid [m^3]
 constexpr double kFedRatio = 3.0;
-constexpr std::array<double, 9> kFedRate{726657587, 286654401, 118218011, 50319795, 20954036, 7345998, 1500147, 76518, 149};
+constexpr std::array<double, 9> kFedRate{726657587, 286654401, 118218011, 50319795, 20954036,
+                                         7345998,   1500147,   76518,     149};
 
 struct Share {
   int i;
@@ -41,7 +42,8 @@ double pivot(const pbm::Grid& grid, int k, int i) {
 double solid_mass(const std::vector<pbm::ClassRate>& classes, const pbm::Grid& grid, const pbm::Materials& materials) {
   double mass = 0.0;
   for (const pbm::ClassRate& fed : classes)
-    mass += fed.rate * (pivot(grid, 0, fed.i) * materials.solid_density[0] + pivot(grid, 1, fed.j) * materials.solid_density[1]);
+    mass += fed.rate *
+            (pivot(grid, 0, fed.i) * materials.solid_density[0] + pivot(grid, 1, fed.j) * materials.solid_density[1]);
   return mass;
 }
 
@@ -51,7 +53,8 @@ Result<std::vector<pbm::ClassRate>> published_feed(const pbm::Grid& grid) {
   for (const double rate : kFedRate) {
     const auto first = shares(grid, 0, solid), second = shares(grid, 1, solid);
     if (first.empty() || second.empty()) {
-      return Error{fmt::format("the published feed has particles with {:.3g} m^3 of each solid, which is outside the grid of /pbm.", solid)};
+      return Error{fmt::format(
+          "the published feed has particles with {:.3g} m^3 of each solid, which is outside the grid of /pbm.", solid)};
     }
     for (const Share& a : first)
       for (const Share& b : second) rates[{a.i, b.i}] += rate * a.weight * b.weight;

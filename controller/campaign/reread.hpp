@@ -6,6 +6,7 @@
 namespace granary::campaign {
 
 /// Like read_campaign(), from a document: `file` opens the messages, relative paths start at `folder`.
-Result<Campaign> reread_campaign(json::Value document, const std::filesystem::path& file, const std::filesystem::path& folder);
+Result<Campaign> reread_campaign(json::Value document, const std::filesystem::path& file,
+                                 const std::filesystem::path& folder);
 
 }  // namespace granary::campaign

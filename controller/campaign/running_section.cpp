@@ -1,4 +1,5 @@
-// coupling: when the two sides take turns. resources, outputs, cost_model: where it runs, what it leaves, what it would cost.
+// coupling: when the two sides take turns. resources, outputs, cost_model: where it runs, what it leaves, what it would
+// cost.
 #include "common/json/reader.hpp"
 #include "controller/campaign/sections.hpp"
 
@@ -47,8 +48,10 @@ void read_coupling(json::Reader& root, Campaign& campaign, json::Problems& probl
   coupling.steady_tolerance = reader.number_or("steady_tolerance", coupling.steady_tolerance, {0.0, 10.0, false, true});
   coupling.significance = reader.number_or("significance", coupling.significance, Range::not_negative());
   coupling.grace = reader.quantity_or("grace", coupling.grace, "s", Range::not_negative());
-  coupling.least_rounds = static_cast<int>(reader.integer_or("least_rounds", coupling.least_rounds, Range::between(1, 100000)));
-  coupling.most_rounds = static_cast<int>(reader.integer_or("most_rounds", coupling.most_rounds, Range::between(1, 100000)));
+  coupling.least_rounds =
+      static_cast<int>(reader.integer_or("least_rounds", coupling.least_rounds, Range::between(1, 100000)));
+  coupling.most_rounds =
+      static_cast<int>(reader.integer_or("most_rounds", coupling.most_rounds, Range::between(1, 100000)));
   reader.done();
 }
 

@@ -5,8 +5,8 @@ namespace {
 
 /// The two items of a list as the members "0" and "1", so that a Reader says where in the list a fault is.
 template <class Read>
-auto read_pair(json::Reader& reader, const std::string& key, const json::Value& list, json::Problems& problems, Read read)
-    -> std::optional<std::array<decltype(read(reader, key)), 2>> {
+auto read_pair(json::Reader& reader, const std::string& key, const json::Value& list, json::Problems& problems,
+               Read read) -> std::optional<std::array<decltype(read(reader, key)), 2>> {
   if (list.size() != 2) {
     reader.problem(key, "it must be one value for both solids, or a list of two, one for each.");
     return std::nullopt;
@@ -17,8 +17,8 @@ auto read_pair(json::Reader& reader, const std::string& key, const json::Value& 
 }
 
 template <class T, class Read>
-std::array<T, 2> pair_or(json::Reader& reader, const std::string& key, std::array<T, 2> otherwise, json::Problems& problems,
-                         Read read) {
+std::array<T, 2> pair_or(json::Reader& reader, const std::string& key, std::array<T, 2> otherwise,
+                         json::Problems& problems, Read read) {
   const json::Value* found = reader.raw(key);
   if (found == nullptr) return otherwise;
   if (found->is_array()) return read_pair(reader, key, *found, problems, read).value_or(otherwise);

@@ -1,4 +1,5 @@
-// campaign.json: the workflow as written and as understood. A resume reads the former and holds the result against the latter.
+// campaign.json: the workflow as written and as understood. A resume reads the former and holds the result against the
+// latter.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +24,9 @@ json::Value or_null(const std::optional<T>& value) {
 
 json::Value coupling_json(const CouplingSettings& coupling) {
   using Mode = CouplingSettings::Mode;
-  const char* mode = coupling.mode == Mode::two_way ? "two-way" : coupling.mode == Mode::one_way ? "one-way" : "pbm-only";
+  const char* mode = coupling.mode == Mode::two_way   ? "two-way"
+                     : coupling.mode == Mode::one_way ? "one-way"
+                                                      : "pbm-only";
   return json::Value::object({{"mode", mode},
                               {"threshold", coupling.threshold},
                               {"steady_window_s", coupling.steady_window},
@@ -121,13 +124,15 @@ json::Value to_json(const Campaign& campaign) {
 Result<Campaign> read_written_campaign(const fs::path& file) {
   GRANARY_TRY(const json::Value written, json::read_file(file));
   if (written.text_or("format", "") != kFormat)
-    return Error{file.string() + ": this is not a campaign.json of this version of Granary (its \"format\" is not \"" + kFormat + "\")."};
+    return Error{file.string() + ": this is not a campaign.json of this version of Granary (its \"format\" is not \"" +
+                 kFormat + "\")."};
   GRANARY_TRY(Campaign campaign, reread_campaign(written["workflow"], file, written.text_or("folder", "")));
   campaign.file = written.text_or("file", "");
   if (const auto place = first_difference(as_understood(campaign), written["understood"], ""); !place.empty()) {
-    return Error{fmt::format("{}: {} would be understood otherwise than when the campaign began (by Granary {}, {}). "
-                             "Resume it with that version, or start a new campaign.",
-                             file.string(), place, written.text_or("version", "?"), written.text_or("revision", "?"))};
+    return Error{
+        fmt::format("{}: {} would be understood otherwise than when the campaign began (by Granary {}, {}). "
+                    "Resume it with that version, or start a new campaign.",
+                    file.string(), place, written.text_or("version", "?"), written.text_or("revision", "?"))};
   }
   return campaign;
 }
