@@ -13,6 +13,7 @@ namespace granary::dem {
 namespace {
 
 constexpr int kTries = 200;   // random places looked at for one particle
+constexpr double kShortOfEnd = 1e-6;   // a centre on an edge would be the next compartment's
 
 double volume_of(double diameter) { return std::numbers::pi / 6.0 * diameter * diameter * diameter; }
 
@@ -169,7 +170,8 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
   Places places{space, axis, SphereGrid(space.low(), space.high(), largest), {}};
   const auto sphere_in = [&](std::size_t c, const Vector3& centre, double diameter) {
     const auto& compartment = population.compartments[c];
-    return Sphere{centre, 0.5 * diameter, compartment.from, compartment.to};
+    const double short_of_end = kShortOfEnd * (compartment.to - compartment.from);
+    return Sphere{centre, 0.5 * diameter, compartment.from, compartment.to - short_of_end};
   };
   for (std::size_t k = 0; k < plan.kept.size(); ++k) places.add(sphere_in(home[k], plan.kept[k].centre, plan.kept[k].diameter));
   for (std::size_t c = 0; c < n_compartments; ++c) {
