@@ -6,6 +6,12 @@
 #include "common/units.hpp"
 
 namespace granary::pbm {
+namespace {
+
+// Of a compartment's solids: what a class must hold to react. Below it there is only the dust of round-off, whose products underflow.
+constexpr double kNothing = 1e-40;
+
+}  // namespace
 
 ClassPosition position_of(std::span<const double> ln_centre, double diameter) {
   const double x = std::log(diameter);
@@ -60,11 +66,13 @@ void ActiveClasses::append(const ClassGrid& grid, const Materials& materials, st
 void ActiveClasses::assign(const ClassGrid& grid, const Materials& materials, Fields state, std::span<const double> participation,
                            std::span<const double> ln_dem_diameter) {
   clear();
+  double held = 0.0;
+  for (std::size_t k = 0; k < grid.size(); ++k) held += grid.solid()[k] * std::max(0.0, state.number[k]);
   for (int row = 0; row < grid.axis(0).size(); ++row) {
     row_begin.push_back(index.size());
     for (int column = 0; column < grid.axis(1).size(); ++column) {
       const std::size_t k = grid.index(row, column);
-      if (!(state.number[k] > 0.0)) continue;
+      if (!(grid.solid()[k] * state.number[k] > kNothing * held)) continue;
       index.push_back(static_cast<int>(k));
       i.push_back(row);
       j.push_back(column);

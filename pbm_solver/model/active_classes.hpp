@@ -29,7 +29,7 @@ ClassPosition position_of(std::span<const double> ln_centre, double diameter);
 double external_liquid(double liquid, double gas, double saturation_factor);
 double film_thickness(double volume, double external_liquid);
 
-/// Structure of arrays over the classes with number > 0, in rising class index; shape (size) unless said.
+/// Structure of arrays over the classes that hold particles (more than 1e-40 of the solids), in rising class index; shape (size) unless said.
 /// The mean particle of a class is its pivot's solids with liquid/number and gas/number.
 struct ActiveClasses {
   std::vector<int> index, i, j;             ///< class; its row and column

@@ -30,6 +30,9 @@ class CompartmentRow {
   std::span<const double> loss_rate(std::size_t x) const { return compartments_[x].loss_rate(); }
 
  private:
+  void prepare(std::span<const double> state, std::span<const double> participation, int x);
+  void finish(std::span<const double> state, Inputs inputs, int x, std::span<double> rates);
+
   const ModelTables* tables_;
   Exchange* exchange_;
   int threads_;
