@@ -1,6 +1,8 @@
 // granary-dem: LIGGGHTS with our styles, and with exit codes that tell what happened (docs/exchange_formats.md).
 #include <mpi.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -49,6 +51,12 @@ bool given(int argc, char** argv, const char* word) {
   return argc > 1 && std::strcmp(argv[1], word) == 0;
 }
 
+const char* input_script(int argc, char** argv) {
+  for (int i = 1; i + 1 < argc; ++i)
+    if (std::strcmp(argv[i], "-in") == 0 || std::strcmp(argv[i], "-i") == 0) return argv[i + 1];
+  return nullptr;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,6 +66,11 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (argc < 2) return std::fputs(kHelp, stderr), static_cast<int>(granary::Exit::bad_input);
+
+  if (const char* script = input_script(argc, argv); script && access(script, R_OK) != 0) {
+    std::fprintf(stderr, "granary-dem: the input script %s cannot be read: %s\n", script, std::strerror(errno));
+    return static_cast<int>(granary::Exit::bad_input);
+  }
 
   granary::dem::install_stop_signals();
   MPI_Init(&argc, &argv);

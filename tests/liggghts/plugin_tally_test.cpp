@@ -1,0 +1,262 @@
+// The tally against collisions worked out by hand, with real LIGGGHTS.
+#include <array>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "tests/liggghts/plugin_deck.hpp"
+
+namespace granary::dem::test {
+namespace {
+
+constexpr double kGravity = 9.81;
+const std::string kOneBin = "axis x compartments 1 -1 1 classes 1 0.001 0.01 ";
+
+// ---- one or two particles ----
+
+std::string head_on() {
+  return head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
+         particles({{-0.01, 0, 0, 1.0, 0, 0, 0.004}, {0.01, 0, 0, -0.5, 0, 0, 0.004}});
+}
+
+TEST(Tally, CountsTwoParticlesThatMeetOnceWithTheirClosingSpeed) {
+  const Folder folder;
+  ASSERT_EQ(run_deck(folder, head_on() + tally(kOneBin) + "run 5000\n"), 0) << folder.read("err");
+
+  const Counted counted(folder);
+  EXPECT_EQ(counted.all_collisions(), 1.0);
+  ASSERT_EQ(counted.speeds("collision_speed").size(), 1u);
+  EXPECT_NEAR(counted.speeds("collision_speed")[0], 1.5, 1e-6);
+}
+
+TEST(Tally, TakesAContactThatLivesAcrossARestartAsOne) {
+  const Folder folder;
+  ASSERT_EQ(run_deck(folder, head_on() + tally(kOneBin) + "run 2170\nwrite_restart middle\n"), 0) << folder.read("err");
+  EXPECT_EQ(Counted(folder).all_collisions(), 1.0);  // 2133 steps to the touch, about 70 in contact
+
+  ASSERT_EQ(run_deck(folder, head("middle") + physics() + tally(kOneBin) + "run 2830\n"), 0) << folder.read("err");
+  const Counted after(folder);
+  EXPECT_EQ(after.all_collisions(), 0.0);
+  EXPECT_GT(after.windows[0].number_or("largest_overlap", 0), 0.01);  // they did touch
+}
+
+// The ranks meet at x = 0; the pair touches from about x = -1.5 mm to 1.7 mm.
+TEST(Tally, CountsAPairOnceThatCrossesFromOneRankToTheOther) {
+  const Folder folder;
+  const std::string deck = head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
+                           particles({{-0.0215, -0.004, 0, 10.0, 1.0, 0, 0.004}, {-0.0215, 0.004, 0, 10.0, -1.0, 0, 0.004}}) +
+                           tally(kOneBin) + "run 800\n";
+  ASSERT_EQ(run_deck(folder, deck, 2), 0) << folder.read("err");
+  EXPECT_EQ(Counted(folder).all_collisions(), 1.0);
+}
+
+TEST(Tally, CountsThreeBouncesWithTheSpeedsOfFreeFall) {
+  const Folder folder;
+  const double height = 0.02, speed = std::sqrt(2 * kGravity * height);
+  const std::string deck = head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) +
+                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) + "fix g all gravity 9.81 vector 0 0 -1\n" +
+                           "fix floor all wall/gran model hertz tangential history primitive type 1 zplane 0.0\n" +
+                           tally(kOneBin + "body floor wall floor", 5, 2000) + "run 66000\n";
+  ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+
+  const Counted counted(folder);
+  EXPECT_EQ(counted.impacts("floor"), 3.0);
+  const auto speeds = counted.speeds("impact_speed");
+  ASSERT_EQ(speeds.size(), 3u);
+  EXPECT_NEAR(speeds[0], speed, 1e-3 * speed);
+  EXPECT_NEAR(speeds[1], 0.9 * speed, 0.02 * speed);
+  EXPECT_NEAR(speeds[2], 0.81 * speed, 0.03 * speed);
+}
+
+std::string triangle(const std::array<std::array<double, 3>, 3>& corners) {
+  std::ostringstream text;
+  text << "facet normal 0 0 0\n outer loop\n";
+  for (const auto& c : corners) text << "  vertex " << c[0] << " " << c[1] << " " << c[2] << "\n";
+  return text.str() + " endloop\nendfacet\n";
+}
+
+std::string solid(const std::string& facets) { return "solid part\n" + facets + "endsolid part\n"; }
+
+TEST(Tally, TakesTheSharedEdgeOfTwoTrianglesAsOneImpact) {
+  const Folder folder;
+  folder.write("plate.stl", solid(triangle({{{-0.015, -0.015, 0}, {0.015, -0.015, 0}, {0.015, 0.015, 0}}}) +
+                                  triangle({{{-0.015, -0.015, 0}, {0.015, 0.015, 0}, {-0.015, 0.015, 0}}})));
+  const double height = 0.01;
+  const std::string deck = head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) +
+                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) + "fix g all gravity 9.81 vector 0 0 -1\n" +
+                           "fix plate all mesh/surface file plate.stl type 1\n" +
+                           "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes plate\n" +
+                           tally(kOneBin + "body plate mesh plate") + "run 14000\n";
+  ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+
+  const Counted counted(folder);
+  EXPECT_EQ(counted.impacts("plate"), 1.0);
+  ASSERT_EQ(counted.speeds("impact_speed").size(), 1u);
+  EXPECT_NEAR(counted.speeds("impact_speed")[0], std::sqrt(2 * kGravity * height), 1e-3);
+}
+
+TEST(Tally, TakesTheSpeedOfAMovingWallIntoAccount) {
+  const Folder folder;
+  folder.write("paddle.stl", solid(triangle({{{0.01, 0, -0.01}, {0.05, 0, -0.01}, {0.05, 0, 0.01}}}) +
+                                   triangle({{{0.01, 0, -0.01}, {0.05, 0, 0.01}, {0.01, 0, 0.01}}})));
+  const double omega = 10.0, radius = 0.002;
+  const std::string deck = head("-0.08 0.08 -0.08 0.08 -0.02 0.02") + physics(0.9) + particles({{0.03, 0.01, 0, 0, 0, 0, 2 * radius}}) +
+                           "fix paddle all mesh/surface file paddle.stl type 1\n" +
+                           "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes paddle\n" +
+                           "fix turn all move/mesh mesh paddle rotate origin 0 0 0 axis 0 0 1 period " + std::to_string(2 * M_PI / omega) + "\n" +
+                           tally(kOneBin + "body paddle mesh paddle") + "run 8000\n";
+  const double expected = omega * std::sqrt(0.03 * 0.03 + 0.01 * 0.01 - radius * radius);
+
+  for (int ranks : {1, 2}) {
+    ASSERT_EQ(run_deck(folder, deck, ranks), 0) << folder.read("err");
+    const Counted counted(folder);
+    EXPECT_EQ(counted.impacts("paddle"), 1.0) << ranks << " ranks";
+    ASSERT_EQ(counted.speeds("impact_speed").size(), 1u);
+    EXPECT_NEAR(counted.speeds("impact_speed")[0], expected, 0.005 * expected);
+  }
+}
+
+TEST(Tally, CountsWhoCrossesEdgesAndWhoLeaves) {
+  const Folder folder;
+  const std::string deck = head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
+                           particles({{-0.03, 0, -0.01, 2, 0, 0, 0.004}, {-0.02, 0, 0, 2, 0, 0, 0.004}, {0.01, 0, 0.01, -1, 0, 0, 0.004}}) +
+                           "region end block 0.03 0.05 INF INF INF INF units box\nfix out all granary/outlet region end\n" +
+                           tally("axis x compartments 2 -0.05 0 0.03 classes 1 0.001 0.01") + "run 7000\n";
+  for (int ranks : {1, 2}) {
+    ASSERT_EQ(run_deck(folder, deck, ranks), 0) << folder.read("err");
+    const Counted counted(folder);
+    std::vector<double> flux(3, 0.0);
+    for (const auto& window : counted.windows)
+      for (std::size_t e = 0; e < 3; ++e) flux[e] += window.numbers("axial_flux")[e];
+    EXPECT_EQ(flux, (std::vector<double>{0, 2 - 1, 2})) << ranks << " ranks";
+    EXPECT_EQ(counted.total("left"), 2.0);
+    EXPECT_EQ(counted.total("lost"), 0.0);
+  }
+}
+
+// ---- a gas of two sizes in a periodic box ----
+
+constexpr double kSide = 0.04;
+
+std::string gas() {
+  std::mt19937 random(4711);
+  std::uniform_real_distribution<double> place(0.0, kSide), speed(-1.5, 1.5);
+  std::vector<TestParticle> list;
+  while (list.size() < 150) {
+    const TestParticle p{place(random), place(random), place(random), speed(random), speed(random), speed(random),
+                         list.size() % 2 ? 0.003 : 0.004};
+    const auto overlaps = [&](const TestParticle& q) {
+      double d2 = 0.0;
+      for (double d : {p.x - q.x, p.y - q.y, p.z - q.z}) d2 += std::pow(d - kSide * std::round(d / kSide), 2);
+      return d2 < std::pow(0.52 * (p.diameter + q.diameter), 2);
+    };
+    if (std::none_of(list.begin(), list.end(), overlaps)) list.push_back(p);
+  }
+  return particles(list);
+}
+
+const std::string kGasBins = "axis x compartments 2 0 0.02 0.04 classes 2 0.002 0.0035 0.005";
+
+std::string gas_deck(int every, const std::string& after) {
+  return head("0 0.04 0 0.04 0 0.04", "p p p") + physics(0.95, 0.2) + gas() + tally(kGasBins, every, 500) + after;
+}
+
+// Contacts that began, counted from positions and radii of every step.
+std::vector<std::vector<double>> count_by_hand(const fs::path& dump) {
+  std::ifstream in(dump);
+  std::vector<std::vector<double>> began(2, std::vector<double>(2, 0.0));
+  std::set<std::pair<int, int>> before;
+  bool first = true;
+  for (std::string line; std::getline(in, line);) {
+    if (line != "ITEM: NUMBER OF ATOMS") continue;
+    std::getline(in, line);
+    const int n = std::stoi(line);
+    while (std::getline(in, line) && line.rfind("ITEM: ATOMS", 0) != 0) {}
+    struct Row { int id; double x[3], r; };
+    std::vector<Row> rows(static_cast<std::size_t>(n));
+    for (Row& row : rows) in >> row.id >> row.x[0] >> row.x[1] >> row.x[2] >> row.r;
+    std::set<std::pair<int, int>> now;
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        double d2 = 0.0;
+        for (int k = 0; k < 3; ++k) {
+          const double d = rows[a].x[k] - rows[b].x[k];
+          d2 += std::pow(d - kSide * std::round(d / kSide), 2);
+        }
+        if (d2 >= std::pow(rows[a].r + rows[b].r, 2)) continue;
+        const auto pair = std::minmax(rows[a].id, rows[b].id);
+        now.insert(pair);
+        if (first || before.contains(pair)) continue;
+        const std::size_t p = rows[a].r > 0.00175, q = rows[b].r > 0.00175;
+        began[p][q] += 1;
+        if (p != q) began[q][p] += 1;
+      }
+    }
+    before = now;
+    first = false;
+  }
+  return began;
+}
+
+TEST(Tally, AgreesWithACountByHandFromThePositionsOfEveryStep) {
+  const Folder folder;
+  const std::string dump = "dump d all custom 1 dump.txt id x y z radius\ndump_modify d format \"%d %.17g %.17g %.17g %.17g\"\n";
+  ASSERT_EQ(run_deck(folder, gas_deck(1, dump + "run 2000\n")), 0) << folder.read("err");
+
+  const auto counted = Counted(folder).collisions();
+  const auto by_hand = count_by_hand(folder / "dump.txt");
+
+  EXPECT_EQ(counted, by_hand);
+  EXPECT_GT(by_hand[0][0] + by_hand[0][1] + by_hand[1][1], 50.0);
+  EXPECT_EQ(counted[0][1], counted[1][0]);
+}
+
+TEST(Tally, GivesTheSameOnOneAndOnTwoRanks) {
+  const Folder folder;
+  ASSERT_EQ(run_deck(folder, gas_deck(5, "run 3000\n")), 0) << folder.read("err");
+  const Counted one(folder);
+  ASSERT_EQ(run_deck(folder, gas_deck(5, "run 3000\n"), 2), 0) << folder.read("err");
+  const Counted two(folder);
+
+  EXPECT_EQ(one.collisions(), two.collisions());
+  EXPECT_EQ(one.total("axial_flux"), two.total("axial_flux"));
+  EXPECT_GT(one.all_collisions(), 80.0);
+  ASSERT_EQ(one.windows.size(), two.windows.size());
+  for (std::size_t w = 0; w < one.windows.size(); ++w)
+    EXPECT_NEAR(one.windows[w].number_or("kinetic_energy_J", 0), two.windows[w].number_or("kinetic_energy_J", 1), 1e-9);
+}
+
+TEST(Tally, MissesFewContactsWhenItLooksEveryFifthStep) {
+  const Folder folder;
+  ASSERT_EQ(run_deck(folder, gas_deck(1, "run 3000\n")), 0) << folder.read("err");
+  const Counted every_step(folder);
+  ASSERT_EQ(run_deck(folder, gas_deck(5, "run 3000\n")), 0) << folder.read("err");
+  const Counted every_fifth(folder);
+
+  EXPECT_LE(every_fifth.all_collisions(), every_step.all_collisions());
+  EXPECT_GE(every_fifth.all_collisions(), 0.98 * every_step.all_collisions());
+  double exact = 0.0, seen = 0.0;
+  for (double speed : every_step.speeds("collision_speed")) exact += speed;
+  for (double speed : every_fifth.speeds("collision_speed")) seen += speed;
+  EXPECT_NEAR(seen, exact, 0.02 * exact);
+}
+
+TEST(Tally, LosesNothingOverARestartAndItsClockGoesOn) {
+  const Folder folder;
+  const std::string guard = "fix guard all granary/guard file tallies.jsonl overlap 0.5\n";
+  ASSERT_EQ(run_deck(folder, gas_deck(5, guard + "run 3000\n")), 0) << folder.read("err");
+  const Counted whole(folder);
+  ASSERT_EQ(run_deck(folder, gas_deck(5, guard + "run 1450\nwrite_restart middle\n")), 0) << folder.read("err");
+  const Counted before(folder);
+  ASSERT_EQ(run_deck(folder, head("middle", "p p p") + physics(0.95, 0.2) + guard + tally(kGasBins, 5, 500) + "run 1550\n"), 0)
+      << folder.read("err");
+  const Counted after(folder);
+
+  EXPECT_EQ(before.all_collisions() + after.all_collisions(), whole.all_collisions());
+  EXPECT_EQ(before.total("axial_flux") + after.total("axial_flux"), whole.total("axial_flux"));
+  EXPECT_NEAR(after.windows.back().number_or("time_s", 0), 3000 * 5e-6, 1e-12);
+  EXPECT_NEAR(before.windows.back().number_or("window_s", 0), 450 * 5e-6, 1e-12);
+}
+
+}  // namespace
+}  // namespace granary::dem::test
