@@ -48,8 +48,7 @@ struct MeasuredRates {
 
 /// Maximum likelihood rates of a DEM burst, carried to real sizes.
 ///
-///   C_pq = N_pq / E_pq,   E_pq = sum over windows w and compartments x of N_p N_q dt / V_x   (p = q: N_p (N_p - 1) /
-///   2)
+///   C_pq = N_pq / E_pq,   E_pq = sum over windows and compartments of N_p N_q dt / V_x   (p = q: N_p (N_p - 1) / 2)
 ///
 /// pulled towards the shape a (d_p + d_q)^m (m = 3, or 2 under equal_speed) by a gamma prior worth `prior_collisions`
 /// counts: (N + k) / (E + k / C_shape): smooth, so a pair that was never seen takes the shape and one seen a thousand
@@ -108,9 +107,10 @@ struct SampledPopulation {
 
 /// Particles for the DEM. Classes hold equal shares of the represented volume; a class's diameter is that of its mean
 /// particle volume, so it has the right number and the right volume. One DEM particle of diameter f d stands for f^3
-/// real ones of diameter d: sum count pi/6 (f d)^3 = hold-up volume, in each compartment, up to half a particle. f is
-/// kept from the burst before while the count stays in [budget/2, budget], else chosen for 0.75 budget; f >= 1. Errors:
-/// nothing in any compartment; not a number, or negative, in the state; the budget too small for the largest diameter.
+/// real ones of diameter d: sum count pi/6 (f d)^3 = hold-up volume, in each compartment, up to half a particle.
+/// f is kept from the burst before while the count stays in [budget/2, budget], else chosen for 0.75 budget; f >= 1.
+/// Errors: nothing in any compartment; a state that is not a number, or negative; a budget too small for the largest
+/// diameter.
 Result<SampledPopulation> sample_population(const HoldUp& hold_up, const PopulationSettings& settings);
 
 json::Value to_json(const MeasuredRates& measured);     ///< for the journal: f, windows, counts, errors, factors

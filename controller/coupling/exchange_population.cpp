@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "common/math/size_distribution.hpp"
@@ -190,32 +191,32 @@ Result<Chosen> choose(const std::vector<Share>& shares, std::size_t n_compartmen
       settings.budget, settings.largest_diameter, std::ceil(needed))};
 }
 
-/// Whole particles. Each class hands its rounding on to the next compartment, and the finest class of a compartment
-/// makes up its volume: hold-up is right in each compartment, and each class is right over all of them.
+/// Whole particles. In each compartment the volume a class was rounded by is made up by the next finer one, down to the
+/// finest, so the hold-up is right; and each class hands its rounding on to the next compartment, so that a class with
+/// a third of a particle everywhere is not lost everywhere.
 std::vector<std::vector<long>> whole_counts(const Classes& classes, std::size_t n_compartments, double f) {
   const std::size_t n = classes.all.size();
   std::vector<std::vector<long>> counts(n_compartments, std::vector<long>(n, 0));
   std::vector<double> owed(n, 0.0);  // particles a class has been rounded down by so far
   for (std::size_t x = 0; x < n_compartments; ++x) {
-    double left = 0.0;
+    double left = 0.0;  // of the hold-up, not yet in particles [m^3]
     std::size_t finest = n;
     for (std::size_t k = n; k-- > 0;) {
       left += classes.all[k].volume_in[x];
       if (classes.all[k].volume_in[x] > 0.0) finest = k;
     }
-    if (finest == n) continue;
-    for (std::size_t k = n; k-- > finest;) {
-      const double particle = f * f * f * classes.all[k].particle_volume();
-      if (k == finest) {
-        counts[x][k] = std::lround(std::max(left, 0.0) / particle);
-        break;
-      }
-      if (!(classes.all[k].volume_in[x] > 0.0)) continue;
-      const double wanted = classes.all[k].volume_in[x] / particle + owed[k];
-      const long whole = std::clamp(std::lround(wanted), 0L, static_cast<long>(left / particle));
-      owed[k] = wanted - static_cast<double>(whole);
+    double from_coarser = 0.0;  // volume [m^3]
+    for (std::size_t k = n; k-- > finest && finest < n;) {
+      const double here = classes.all[k].volume_in[x], particle = f * f * f * classes.all[k].particle_volume();
+      if (!(here > 0.0)) continue;
+      const double wanted = (here + from_coarser) / particle;
+      const bool last = k == finest;
+      const auto most = last ? std::numeric_limits<long>::max() : static_cast<long>(left / particle);
+      const long whole = std::clamp(std::lround(last ? left / particle : wanted + owed[k]), 0L, most);
+      owed[k] += wanted - static_cast<double>(whole);
+      from_coarser += here - static_cast<double>(whole) * particle;
       counts[x][k] = whole;
-      left -= static_cast<double>(whole) * particle;
+      left = std::max(left - static_cast<double>(whole) * particle, 0.0);
     }
   }
   return counts;

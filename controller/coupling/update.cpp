@@ -248,7 +248,8 @@ class Update {
             json::Value::object()};
     if (!dem && at >= settings_.process_end() - kInstant)
       why = {"end", fmt::format("the process reached its end at {:.6g} s", at), json::Value::object()};
-    if (decides()) why = {std::string(monitor::name(s_.verdict->outcome)), s_.verdict->message, monitor::to_json(*s_.verdict)};
+    if (decides())
+      why = {std::string(monitor::name(s_.verdict->outcome)), s_.verdict->message, monitor::to_json(*s_.verdict)};
     s_.bursts.push_back({s_.burst, s_.attempt, why.reason, s_.burst_start, at, why.message});
     s_.phase = Phase::exchanging;
     ask(Exchange{s_.burst, s_.attempt, at, std::move(why)});

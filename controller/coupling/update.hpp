@@ -18,8 +18,8 @@ struct Step {
 
 /// DEM first; a burst ends when its monitor speaks or its program ends; its result is exchanged; the other side goes on
 /// from its own last state. Ends steady, at a limit, stopped or failed. An event about an earlier burst or attempt, or
-/// one already heard, changes nothing and asks for nothing. Source: source paper's controller (DEM first, 15 %, both
-/// sides restart), with the additions of docs/coupling.md.
+/// one already heard, changes nothing and asks for nothing.
+/// Source: the source paper's controller (DEM first, 15 %, both sides restart), with the additions of docs/coupling.md.
 Step update(const State& now, const Event& event, const Settings& settings);
 
 }  // namespace granary::coupling
