@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 namespace schema = results_schema;
 namespace {
 
-// Which member is which dataset: told once, for both directions. `Io` is DatasetWriter (const structs) or DatasetReader.
+// Which member is which dataset: told once, for both directions. `Io` is DatasetWriter (const structs) or
+// DatasetReader.
 
 template <class Io, class P>
 void exchange_provenance(Io& io, P& p) {
@@ -153,9 +154,9 @@ void exchange(Io& io, R& r) {
   for (auto& rates : r.rates) exchange_rates(io, rates);
 }
 
-/// Where the file is made before its bytes are written beside the real one. HDF5 forgets errno, and after a failed flush
-/// (1.10) it can neither close the file nor end the process cleanly; made in memory and then written like any other file of ours, a
-/// full disk is said as what it is.
+/// Where the file is made before its bytes are written beside the real one. HDF5 forgets errno, and after a failed
+/// flush (1.10) it can neither close the file nor end the process cleanly; made in memory and then written like any
+/// other file of ours, a full disk is said as what it is.
 class ScratchFile {
  public:
   ScratchFile() {
@@ -180,7 +181,8 @@ class ScratchFile {
 Status rates_are_in_order(const std::vector<DemRates>& rates) {
   for (std::size_t i = 0; i < rates.size(); ++i)
     if (rates[i].burst < 1 || (i > 0 && rates[i].burst <= rates[i - 1].burst))
-      return Error{fmt::format("campaign results: the DEM rates of burst {} do not follow those of an earlier burst.", rates[i].burst),
+      return Error{fmt::format("campaign results: the DEM rates of burst {} do not follow those of an earlier burst.",
+                               rates[i].burst),
                    Exit::internal};
   return {};
 }
@@ -189,7 +191,8 @@ Status write_datasets(const CampaignResults& results, const fs::path& file) {
   GRANARY_TRY(Hdf5File h5, Hdf5File::create(file));
   GRANARY_CHECK(h5.attribute("/", "format", schema::kFormat));
   GRANARY_CHECK(h5.attribute("/", "version", schema::kFileVersion));
-  GRANARY_CHECK(h5.attribute(std::string(schema::kRatesGroup), "description", "one group a DEM burst, named by its number"));
+  GRANARY_CHECK(
+      h5.attribute(std::string(schema::kRatesGroup), "description", "one group a DEM burst, named by its number"));
   DatasetWriter writer(h5);
   exchange(writer, results);
   GRANARY_CHECK(writer.status());
@@ -199,12 +202,13 @@ Status write_datasets(const CampaignResults& results, const fs::path& file) {
 Status is_results_file(const Hdf5File& h5, const fs::path& file) {
   const auto format = h5.text_attribute("/", "format");
   if (!format || *format != schema::kFormat)
-    return Error{fmt::format("{}: is no results file of this Granary: its format is \"{}\"; \"{}\" is wanted.", file.string(),
-                             format.value_or("none"), schema::kFormat)};
+    return Error{fmt::format("{}: is no results file of this Granary: its format is \"{}\"; \"{}\" is wanted.",
+                             file.string(), format.value_or("none"), schema::kFormat)};
   GRANARY_TRY(const double version, h5.number_attribute("/", "version"));
   if (version != schema::kFileVersion)
-    return Error{fmt::format("{}: has version {} of {}; this Granary reads version {}. Read it with the Granary that wrote it.",
-                             file.string(), version, schema::kFormat, schema::kFileVersion)};
+    return Error{
+        fmt::format("{}: has version {} of {}; this Granary reads version {}. Read it with the Granary that wrote it.",
+                    file.string(), version, schema::kFormat, schema::kFileVersion)};
   return {};
 }
 

@@ -34,10 +34,10 @@ struct Provenance {
   std::string revision;  ///< the commit it was built from
   std::vector<Version> versions;
   std::vector<Seed> seeds;
-  std::string host;          ///< "node7: 2 cores of AMD EPYC 7B13, 8 GB"
-  std::string started;       ///< ISO 8601, UTC: "2026-11-22T03:00:00Z"
-  std::string finished;      ///< likewise
-  std::string campaign_json; ///< the text of campaign.json
+  std::string host;           ///< "node7: 2 cores of AMD EPYC 7B13, 8 GB"
+  std::string started;        ///< ISO 8601, UTC: "2026-11-22T03:00:00Z"
+  std::string finished;       ///< likewise
+  std::string campaign_json;  ///< the text of campaign.json
   bool operator==(const Provenance&) const = default;
 };
 
@@ -62,24 +62,24 @@ struct BurstSummary {
 
 /// The PBM over the whole process, the bursts' progress.jsonl joined. T times, X compartments.
 struct PbmSeries {
-  std::vector<double> time;         ///< process clock [s], shape (T)
-  std::vector<std::int64_t> burst;  ///< number of the burst the row is of, shape (T)
-  Rows number;                      ///< particles [-], shape (T, X)
-  Rows d10, d50, d90;               ///< by volume [m], shape (T, X)
-  Rows porosity;                    ///< (liquid + gas) / volume [-], shape (T, X)
-  Rows solid, liquid, gas;          ///< hold-up [m^3], shape (T, X)
+  std::vector<double> time;                                ///< process clock [s], shape (T)
+  std::vector<std::int64_t> burst;                         ///< number of the burst the row is of, shape (T)
+  Rows number;                                             ///< particles [-], shape (T, X)
+  Rows d10, d50, d90;                                      ///< by volume [m], shape (T, X)
+  Rows porosity;                                           ///< (liquid + gas) / volume [-], shape (T, X)
+  Rows solid, liquid, gas;                                 ///< hold-up [m^3], shape (T, X)
   std::vector<double> outlet_d10, outlet_d50, outlet_d90;  ///< [m], shape (T)
-  std::vector<double> outlet_solid;            ///< [kg/s], shape (T)
-  std::vector<double> outlet_number;           ///< [1/s], shape (T)
-  std::vector<double> outlet_liquid_fraction;  ///< liquid / volume [-], shape (T)
+  std::vector<double> outlet_solid;                        ///< [kg/s], shape (T)
+  std::vector<double> outlet_number;                       ///< [1/s], shape (T)
+  std::vector<double> outlet_liquid_fraction;              ///< liquid / volume [-], shape (T)
   /// |hold-up - start - in + out| over what ever was in [-], shape (T)
   std::vector<double> drift_solid_1, drift_solid_2, drift_liquid, drift_gas;
   std::vector<double> oversize;  ///< solid volume that left the grid at its top [m^3], shape (T)
   bool operator==(const PbmSeries&) const = default;
 };
 
-/// Share of the volume in each of D diameter classes, at S moments: start, after each PBM burst, end. Shares of one distribution add up to
-/// 1; all 0 where there was nothing.
+/// Share of the volume in each of D diameter classes, at S moments: start, after each PBM burst, end. Shares of one
+/// distribution add up to 1; all 0 where there was nothing.
 struct SizeDistributions {
   std::vector<double> edge;       ///< class edges, ascending [m], shape (D + 1)
   std::vector<std::string> when;  ///< "start", "after burst 2", "end", shape (S)
@@ -92,13 +92,13 @@ struct SizeDistributions {
 /// The DEM over all its bursts, one row a window of tallies.jsonl. W windows, B bodies, K size classes (NaN for a class
 /// that the burst of that row does not have).
 struct DemSeries {
-  std::vector<std::string> bodies;  ///< "shell", "impeller", shape (B)
-  std::vector<double> time;         ///< DEM clock [s], shape (W)
-  std::vector<std::int64_t> burst;  ///< number of the burst the row is of, shape (W)
-  std::vector<double> particles;    ///< in the DEM [-], shape (W)
-  std::vector<double> collisions;   ///< that began, per time, as simulated [1/s], shape (W)
-  Rows impacts;                     ///< on each body, per time, as simulated [1/s], shape (W, B)
-  Rows speed;                       ///< mean speed of each class [m/s], shape (W, K)
+  std::vector<std::string> bodies;      ///< "shell", "impeller", shape (B)
+  std::vector<double> time;             ///< DEM clock [s], shape (W)
+  std::vector<std::int64_t> burst;      ///< number of the burst the row is of, shape (W)
+  std::vector<double> particles;        ///< in the DEM [-], shape (W)
+  std::vector<double> collisions;       ///< that began, per time, as simulated [1/s], shape (W)
+  Rows impacts;                         ///< on each body, per time, as simulated [1/s], shape (W, B)
+  Rows speed;                           ///< mean speed of each class [m/s], shape (W, K)
   std::vector<double> kinetic_energy;   ///< [J], shape (W)
   std::vector<double> largest_overlap;  ///< over the particle's radius [-], shape (W)
   bool operator==(const DemSeries&) const = default;
@@ -115,16 +115,16 @@ struct SpeedHistogram {
 
 /// What one DEM burst gave to the PBM, carried to real sizes. K size classes (they may differ from burst to burst).
 struct DemRates {
-  std::int64_t burst = 0;                ///< number of the DEM burst
-  double measured = 0.0;                 ///< DEM time the means were taken over [s]
-  std::vector<double> diameter;          ///< class centres, real sizes [m], shape (K)
-  Rows collisions;                       ///< contacts counted, each unordered pair once [-], shape (K, K)
-  Rows collision_rate;                   ///< C_pq [m^3/s], symmetric, shape (K, K)
-  Rows collision_rate_error;             ///< its standard error [m^3/s], shape (K, K)
-  std::vector<double> impact_rate;       ///< impacts per particle with walls and blades [1/s], shape (K)
-  std::vector<double> impact_rate_error; ///< its standard error [1/s], shape (K)
-  SpeedHistogram collision_speed;        ///< relative normal speed of two particles
-  SpeedHistogram impact_speed;           ///< relative normal speed of particle and wall
+  std::int64_t burst = 0;                 ///< number of the DEM burst
+  double measured = 0.0;                  ///< DEM time the means were taken over [s]
+  std::vector<double> diameter;           ///< class centres, real sizes [m], shape (K)
+  Rows collisions;                        ///< contacts counted, each unordered pair once [-], shape (K, K)
+  Rows collision_rate;                    ///< C_pq [m^3/s], symmetric, shape (K, K)
+  Rows collision_rate_error;              ///< its standard error [m^3/s], shape (K, K)
+  std::vector<double> impact_rate;        ///< impacts per particle with walls and blades [1/s], shape (K)
+  std::vector<double> impact_rate_error;  ///< its standard error [1/s], shape (K)
+  SpeedHistogram collision_speed;         ///< relative normal speed of two particles
+  SpeedHistogram impact_speed;            ///< relative normal speed of particle and wall
   bool operator==(const DemRates&) const = default;
 };
 
@@ -149,10 +149,10 @@ struct KindUse {
 
 /// Where the allocation's time went.
 struct CoreUse {
-  std::int64_t cores = 0;     ///< of the allocation
-  double wall = 0.0;          ///< the campaign took [s]
-  double idle = 0.0;          ///< in which no task occupied any core [s]
-  double busy_share = 0.0;    ///< core seconds of all tasks over cores * wall [-]
+  std::int64_t cores = 0;   ///< of the allocation
+  double wall = 0.0;        ///< the campaign took [s]
+  double idle = 0.0;        ///< in which no task occupied any core [s]
+  double busy_share = 0.0;  ///< core seconds of all tasks over cores * wall [-]
   std::vector<KindUse> kinds;
   bool operator==(const CoreUse&) const = default;
 };
@@ -182,17 +182,19 @@ struct CampaignResults {
   bool operator==(const CampaignResults&) const = default;
 };
 
-/// Seconds and core seconds of each kind (in the order dem, pbm, monitor, estimation, other; kinds that never ran are left out),
-/// overlaps counted once in `wall`. A core that two entries claim at the same time counts once in busy_share.
+/// Seconds and core seconds of each kind (in the order dem, pbm, monitor, estimation, other; kinds that never ran are
+/// left out), overlaps counted once in `wall`. A core that two entries claim at the same time counts once in
+/// busy_share.
 CoreUse core_use(const std::vector<TimelineEntry>& timeline, std::int64_t cores, double wall);
 
 /// Writes results.h5: beside the file first, then renamed over it, so that a reader sees the old file or the new one.
-/// Errors: series of unequal length (names the dataset; Exit::internal); the file cannot be written, for example because the
-/// disk is full (Exit::task_failed; the old file stays).
+/// Errors: series of unequal length (names the dataset; Exit::internal); the file cannot be written, for example
+/// because the disk is full (Exit::task_failed; the old file stays).
 Status write_results(const CampaignResults& results, const std::filesystem::path& h5);
 
 /// Reads what write_results wrote, bit for bit.
-/// Errors: no such file, not a results file, another format version, a missing dataset or one of the wrong shape; each names the file.
+/// Errors: no such file, not a results file, another format version, a missing dataset or one of the wrong shape; each
+/// names the file.
 Result<CampaignResults> read_results(const std::filesystem::path& h5);
 
 }  // namespace granary

@@ -66,7 +66,8 @@ std::string ShapeLetters::contradiction(const Dataset& dataset, const std::vecto
     }
     const auto [known, added] = known_.try_emplace(letter, Known{size, std::string(dataset.name)});
     if (!added && known->second.size != size)
-      return fmt::format("{} has {} where {} has {} ({})", dataset.name, size, known->second.from, known->second.size, letter);
+      return fmt::format("{} has {} where {} has {} ({})", dataset.name, size, known->second.from, known->second.size,
+                         letter);
     if (size == 0) break;  // no rows: how long they would be is unknown
   }
   return "";
@@ -102,7 +103,8 @@ void DatasetWriter::list(const Dataset& dataset, const std::vector<std::int64_t>
   if (!fits(dataset, {values.size()})) return;
   for (const auto value : values)
     if (value < -kLargestInteger || value > kLargestInteger)
-      return keep(Error{fmt::format("campaign results: {} has {}; numbers there end at 2^53.", dataset.name, value), Exit::internal});
+      return keep(Error{fmt::format("campaign results: {} has {}; numbers there end at 2^53.", dataset.name, value),
+                        Exit::internal});
   keep(file_.write_integers(in_group(dataset.name, group_), values, dataset.unit, dataset.description));
 }
 
@@ -198,7 +200,8 @@ void DatasetReader::list(const Dataset& dataset, std::vector<std::vector<std::in
   list(dataset, texts);
   for (const auto& text : texts) {
     values.emplace_back();
-    if (!split(text, values.back())) return fail(fmt::format("{} holds \"{}\"; integers with commas are wanted", dataset.name, text));
+    if (!split(text, values.back()))
+      return fail(fmt::format("{} holds \"{}\"; integers with commas are wanted", dataset.name, text));
   }
 }
 

@@ -33,7 +33,9 @@ class DatasetWriter {
   explicit DatasetWriter(Hdf5File& file) : file_(file) {}
 
   template <class T>
-  void scalar(const results_schema::Dataset& dataset, const T& value) { list(dataset, std::vector<T>{value}); }
+  void scalar(const results_schema::Dataset& dataset, const T& value) {
+    list(dataset, std::vector<T>{value});
+  }
 
   void list(const results_schema::Dataset& dataset, const std::vector<double>& values);
   void list(const results_schema::Dataset& dataset, const std::vector<std::int64_t>& values);
@@ -48,7 +50,8 @@ class DatasetWriter {
     for (const Item& item : items) values.push_back(item.*member);
     list(dataset, values);
   }
-  void list(const results_schema::Dataset& dataset, const std::vector<std::vector<std::int64_t>>& values);  ///< texts "0,1"
+  void list(const results_schema::Dataset& dataset,
+            const std::vector<std::vector<std::int64_t>>& values);  ///< texts "0,1"
 
   /// The group that NNNN stands for from here on; its letters are its own.
   void enter(std::int64_t number);

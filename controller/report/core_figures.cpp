@@ -29,7 +29,8 @@ struct Box {
   double start, end;
 };
 
-/// Neighbours with less than `gap` between them become one: thousands of short tasks look the same, and the page stays small.
+/// Neighbours with less than `gap` between them become one: thousands of short tasks look the same, and the page stays
+/// small.
 std::vector<Box> merged(std::vector<Box> boxes, double gap) {
   std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.start < b.start; });
   std::vector<Box> out;
@@ -57,7 +58,10 @@ std::int64_t n_cores(const CampaignResults& results) {
 
 /// Cores from below upwards, monitors (which occupy no core) in a row of their own below them.
 Figure gantt(const CampaignResults& results) {
-  Figure figure{"Cores over time", "Each core of the allocation from the start of the campaign; monitors occupy no core.", {"gantt", 1260, 0, ""}, kNothingRan};
+  Figure figure{"Cores over time",
+                "Each core of the allocation from the start of the campaign; monitors occupy no core.",
+                {"gantt", 1260, 0, ""},
+                kNothingRan};
   const double wall = last_end(results);
   const auto cores = n_cores(results);
   if (results.timeline.empty() || !(wall > 0.0)) return figure;
@@ -84,8 +88,9 @@ Figure gantt(const CampaignResults& results) {
         any_without_core |= core < 0;
       }
     script += data_block(kind, {start, end, row, half});
-    draws.push_back(fmt::format("${0} using (0.5*($1+$2)):3:1:2:($3-$4):($3+$4) with boxxyerror fs solid 0.9 noborder lc rgb '{1}' title '{2}'", kind,
-                                kind_colour(kind), kind_title(kind)));
+    draws.push_back(fmt::format(
+        "${0} using (0.5*($1+$2)):3:1:2:($3-$4):($3+$4) with boxxyerror fs solid 0.9 noborder lc rgb '{1}' title '{2}'",
+        kind, kind_colour(kind), kind_title(kind)));
   }
 
   std::vector<std::string> tics;
@@ -93,8 +98,10 @@ Figure gantt(const CampaignResults& results) {
   for (std::int64_t core = 0; core < cores; core += every) tics.push_back(fmt::format("'core {0}' {0}", core));
   if (any_without_core) tics.push_back("'no core' -1");
   const double lowest = any_without_core ? -1.6 : -0.6;
-  script += fmt::format("set ytics ({})\nset yrange [{}:{}]\nset xrange [0:{:.7g}]\nset xlabel 'wall time [s]'\nunset grid\nset grid xtics\n",
-                        fmt::join(tics, ", "), lowest, static_cast<double>(cores) - 0.4, wall);
+  script += fmt::format(
+      "set ytics ({})\nset yrange [{}:{}]\nset xrange [0:{:.7g}]\nset xlabel 'wall time [s]'\nunset grid\nset grid "
+      "xtics\n",
+      fmt::join(tics, ", "), lowest, static_cast<double>(cores) - 0.4, wall);
   figure.plot.script = script + fmt::format("plot {}\n", fmt::join(draws, ", \\\n     "));
   figure.plot.height = static_cast<int>(std::clamp<std::int64_t>(130 + 26 * (cores + 1), 190, 640));
   return figure;
@@ -102,7 +109,10 @@ Figure gantt(const CampaignResults& results) {
 
 /// Mean number of busy cores of each kind in each of n equal slices of the wall time, one kind upon the other.
 Figure busy_cores(const CampaignResults& results) {
-  Figure figure{"Busy cores", "Cores occupied by each kind of task, one upon the other. Dashed: the allocation.", {"busy-cores", 1260, 240, ""}, kNothingRan};
+  Figure figure{"Busy cores",
+                "Cores occupied by each kind of task, one upon the other. Dashed: the allocation.",
+                {"busy-cores", 1260, 240, ""},
+                kNothingRan};
   const double wall = last_end(results);
   const auto cores = n_cores(results);
   if (results.timeline.empty() || !(wall > 0.0) || cores == 0) return figure;
@@ -119,19 +129,23 @@ Figure busy_cores(const CampaignResults& results) {
     for (const auto& entry : results.timeline) {
       if (drawn_kind(entry.kind) != kind || entry.cores.empty()) continue;
       any = true;
-      for (auto i = static_cast<std::size_t>(std::max(0.0, entry.start / width)); i < kSlices && from[i] < entry.end; ++i)
-        top[i] += static_cast<double>(entry.cores.size()) * std::max(0.0, std::min(entry.end, from[i] + width) - std::max(entry.start, from[i])) / width;
+      for (auto i = static_cast<std::size_t>(std::max(0.0, entry.start / width)); i < kSlices && from[i] < entry.end;
+           ++i)
+        top[i] += static_cast<double>(entry.cores.size()) *
+                  std::max(0.0, std::min(entry.end, from[i] + width) - std::max(entry.start, from[i])) / width;
     }
     if (!any) continue;
     columns.push_back(std::move(top));
-    draws.push_back(fmt::format("$data using 1:{}:{} with filledcurves fs solid 0.9 noborder lc rgb '{}' title '{}'", columns.size() - 1, columns.size(),
-                                kind_colour(kind), kind_title(kind)));
+    draws.push_back(fmt::format("$data using 1:{}:{} with filledcurves fs solid 0.9 noborder lc rgb '{}' title '{}'",
+                                columns.size() - 1, columns.size(), kind_colour(kind), kind_title(kind)));
   }
   if (draws.empty()) return figure;
-  figure.plot.script = data_block("data", columns) +
-                       fmt::format("set xlabel 'wall time [s]'\nset ylabel 'cores [–]'\nset xrange [0:{:.7g}]\nset yrange [0:{:.7g}]\n"
-                                   "plot {}, \\\n     {} with lines dt 2 lw 1.5 lc rgb '#1e293b' title 'allocation'\n",
-                                   wall, 1.15 * static_cast<double>(cores), fmt::join(draws, ", \\\n     "), cores);
+  figure.plot.script =
+      data_block("data", columns) +
+      fmt::format(
+          "set xlabel 'wall time [s]'\nset ylabel 'cores [–]'\nset xrange [0:{:.7g}]\nset yrange [0:{:.7g}]\n"
+          "plot {}, \\\n     {} with lines dt 2 lw 1.5 lc rgb '#1e293b' title 'allocation'\n",
+          wall, 1.15 * static_cast<double>(cores), fmt::join(draws, ", \\\n     "), cores);
   return figure;
 }
 

@@ -17,8 +17,8 @@ Figure over_dem(const CampaignResults& results, const char* id, const char* titl
   return {title, caption, {id, 620, 340, line_plot_script(plot)}, "the results hold no DEM series for it"};
 }
 
-Figure one_line(const CampaignResults& results, const char* id, const char* title, const std::vector<double>& values, double unit,
-                const char* y_title, const char* y_unit, const char* caption) {
+Figure one_line(const CampaignResults& results, const char* id, const char* title, const std::vector<double>& values,
+                double unit, const char* y_title, const char* y_unit, const char* caption) {
   const auto in_unit = divided(values, unit);
   const Scale scale = scale_for({&in_unit});
   LinePlot plot;
@@ -34,8 +34,10 @@ Figure speeds(const CampaignResults& results) {
   LinePlot plot;
   plot.y_title = "mean speed [m/s]";
   for (std::size_t k = 0; k < n; ++k)
-    plot.lines.push_back({k % every == 0 || k + 1 == n ? fmt::format("class {}", k + 1) : "", sequence_colour(k, n), column_of(speed, k), false});
-  return over_dem(results, "dem-speed", "Mean speed of each size class", std::move(plot), "Classes from small (1) to large.");
+    plot.lines.push_back({k % every == 0 || k + 1 == n ? fmt::format("class {}", k + 1) : "", sequence_colour(k, n),
+                          column_of(speed, k), false});
+  return over_dem(results, "dem-speed", "Mean speed of each size class", std::move(plot),
+                  "Classes from small (1) to large.");
 }
 
 }  // namespace
@@ -45,7 +47,8 @@ std::vector<Figure> dem_figures(const CampaignResults& results) {
   return {one_line(results, "dem-energy", "Kinetic energy of the DEM", dem.kinetic_energy, 1.0, "kinetic energy", "J",
                    "Dotted: a DEM burst begins, its number on top."),
           speeds(results),
-          one_line(results, "dem-particles", "Particles in the DEM", dem.particles, 1.0, "particles", "–", "As simulated (coarse-grained)."),
+          one_line(results, "dem-particles", "Particles in the DEM", dem.particles, 1.0, "particles", "–",
+                   "As simulated (coarse-grained)."),
           one_line(results, "dem-overlap", "Largest overlap", dem.largest_overlap, 0.01, "overlap over radius", "%",
                    "The largest of each window, over the radius of the smaller particle: what a soft contact costs.")};
 }

@@ -11,9 +11,9 @@ namespace granary::report {
 
 struct Figure {
   std::string title;
-  std::string caption;   ///< how to read it
-  Plot plot;             ///< its script is empty if the results hold nothing to draw
-  std::string missing;   ///< then: what they do not hold
+  std::string caption;  ///< how to read it
+  Plot plot;            ///< its script is empty if the results hold nothing to draw
+  std::string missing;  ///< then: what they do not hold
 };
 
 /// d50 with its d10-d90 band, number, porosity, liquid, hold-up and outflow over process time, by compartment.

@@ -11,7 +11,8 @@ constexpr double kTimeout = 60.0;  // a page takes about a second
 
 /// Every `from` in the text becomes `to`.
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
 }
 
 void remove_between(std::string& text, std::string_view from, std::string_view to) {
@@ -38,7 +39,8 @@ std::string gnuplot_input(const std::vector<Plot>& plots) {
   std::string input = "set encoding utf8\nset datafile missing 'NaN'\n";
   for (const auto& plot : plots) {
     input += "reset\nundefine $*\n";
-    input += fmt::format("set terminal svg noenhanced size {},{} dynamic font 'system-ui,sans-serif,13'\n", plot.width, plot.height);
+    input += fmt::format("set terminal svg noenhanced size {},{} dynamic font 'system-ui,sans-serif,13'\n", plot.width,
+                         plot.height);
     input +=
         "set border 3 lc rgb '#94a3b8' lw 1\n"
         "set tics out nomirror scale 0.5 textcolor rgb '#334155'\n"
@@ -59,12 +61,16 @@ Result<std::vector<std::string>> split_drawings(std::string_view printed, const 
   while ((at = printed.find("<svg", at)) != std::string_view::npos) {
     const auto end = printed.find(kEnd, at);
     if (end == std::string_view::npos) break;
-    if (drawings.size() < plots.size()) drawings.push_back(for_page(std::string(printed.substr(at, end + kEnd.size() - at)), plots[drawings.size()]));
-    else return Error{fmt::format("gnuplot made more than the {} drawings it was asked for.", plots.size()), Exit::internal};
+    if (drawings.size() < plots.size())
+      drawings.push_back(for_page(std::string(printed.substr(at, end + kEnd.size() - at)), plots[drawings.size()]));
+    else
+      return Error{fmt::format("gnuplot made more than the {} drawings it was asked for.", plots.size()),
+                   Exit::internal};
     at = end;
   }
   if (drawings.size() == plots.size()) return drawings;
-  return Error{fmt::format("gnuplot stopped at plot \"{}\": {} of {} drawings came.", plots[drawings.size()].id, drawings.size(), plots.size()),
+  return Error{fmt::format("gnuplot stopped at plot \"{}\": {} of {} drawings came.", plots[drawings.size()].id,
+                           drawings.size(), plots.size()),
                Exit::internal};
 }
 
@@ -72,14 +78,19 @@ Result<std::vector<std::string>> GnuplotPlotter::draw(const std::vector<Plot>& p
   if (plots.empty()) return std::vector<std::string>{};
   auto ran = pilot::run_program({"gnuplot", "-"}, gnuplot_input(plots), kTimeout);
   if (!ran)
-    return Error{fmt::format("{} The report's plots are drawn by gnuplot (Debian: apt-get install gnuplot-nox); results.h5 is complete, and "
+    return Error{fmt::format("{} The report's plots are drawn by gnuplot (Debian: apt-get install gnuplot-nox); "
+                             "results.h5 is complete, and "
                              "`granary report` makes the page later.",
                              ran.error().message),
                  Exit::task_failed};
   if (ran->exit_code != 0)
-    return Error{fmt::format("gnuplot ended with exit code {} (signal {}): {}", ran->exit_code, ran->signal, ran->err.substr(0, 2000)), Exit::internal};
+    return Error{fmt::format("gnuplot ended with exit code {} (signal {}): {}", ran->exit_code, ran->signal,
+                             ran->err.substr(0, 2000)),
+                 Exit::internal};
   auto drawings = split_drawings(ran->out, plots);
-  if (!drawings) return Error{fmt::format("{} It printed: {}", drawings.error().message, ran->err.substr(0, 2000)), drawings.error().exit};
+  if (!drawings)
+    return Error{fmt::format("{} It printed: {}", drawings.error().message, ran->err.substr(0, 2000)),
+                 drawings.error().exit};
   return drawings;
 }
 

@@ -13,11 +13,21 @@ std::string escaped(std::string_view text) {
   out.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
       default:
         if ((static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') || c == 0x7f)
           out += "\uFFFD";
@@ -38,7 +48,8 @@ std::string superscript(int exponent) {
 std::string number(double value) {
   if (std::isnan(value)) return "–";
   const double size = std::abs(value);
-  if (value == 0.0 || std::isinf(value) || (size >= 1e-3 && size < 99999.5)) return fmt::format("{:.{}g}", value, size >= 1e4 ? 5 : 4);
+  if (value == 0.0 || std::isinf(value) || (size >= 1e-3 && size < 99999.5))
+    return fmt::format("{:.{}g}", value, size >= 1e4 ? 5 : 4);
   const std::string text = fmt::format("{:.2e}", value);  // "3.20e+08"
   const auto e = text.find('e');
   return text.substr(0, e) + " × 10" + superscript(std::stoi(text.substr(e + 1)));
@@ -61,14 +72,17 @@ std::string diameter(double metres) {
 std::string percent(double share) { return std::isnan(share) ? "–" : fmt::format("{:.1f} %", 100.0 * share); }
 
 std::string table(const std::vector<Column>& columns, const std::vector<std::vector<std::string>>& rows) {
+  const auto css_class = [](Column::Kind kind) {
+    return kind == Column::Kind::number ? " class=\"n\"" : kind == Column::Kind::prose ? " class=\"t\"" : "";
+  };
   std::string out = "<div class=\"scroll\"><table>\n<thead><tr>";
-  for (const auto& column : columns) out += fmt::format("<th{}>{}</th>", column.is_number ? " class=\"n\"" : "", escaped(column.head));
+  for (const auto& column : columns) out += fmt::format("<th{}>{}</th>", css_class(column.kind), escaped(column.head));
   out += "</tr></thead>\n<tbody>\n";
   for (const auto& row : rows) {
     GRANARY_ASSERT(row.size() == columns.size(), row.size());
     out += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i)
-      out += fmt::format("<td{}>{}</td>", columns[i].is_number ? " class=\"n\"" : "", escaped(row[i]));
+      out += fmt::format("<td{}>{}</td>", css_class(columns[i].kind), escaped(row[i]));
     out += "</tr>\n";
   }
   return out + "</tbody></table></div>\n";

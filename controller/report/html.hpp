@@ -7,7 +7,8 @@
 
 namespace granary::report {
 
-/// Text for element content and quoted attributes: & < > " ' become entities; control characters but newline and tab become U+FFFD.
+/// Text for element content and quoted attributes: & < > " ' become entities; control characters but newline and tab
+/// become U+FFFD.
 std::string escaped(std::string_view text);
 
 /// Four digits ("0.04123", "2310"), with a power of ten when very small or large ("3.2 × 10⁸"); "–" for NaN.
@@ -22,8 +23,9 @@ std::string diameter(double metres);
 std::string percent(double share);
 
 struct Column {
+  enum class Kind { label, number, prose };  ///< a short text; aligned to the right, digits below each other; sentences
   std::string head;
-  bool is_number = false;  ///< aligned to the right, digits below each other
+  Kind kind = Kind::label;
 };
 
 /// A table; heads and cells are plain text and are escaped here. Each row has one cell a column.

@@ -33,7 +33,8 @@ std::vector<Cell> cells_of(const DemRates& rates) {
 std::string class_tics(const char* axis, const std::vector<double>& diameter, const LengthUnit& unit) {
   std::vector<std::string> tics;
   const std::size_t every = (diameter.size() + 11) / 12;
-  for (std::size_t k = 0; k < diameter.size(); k += every) tics.push_back(fmt::format("'{:.3g}' {}", diameter[k] / unit.metres, k));
+  for (std::size_t k = 0; k < diameter.size(); k += every)
+    tics.push_back(fmt::format("'{:.3g}' {}", diameter[k] / unit.metres, k));
   return fmt::format("set {}tics ({})\n", axis, fmt::join(tics, ", "));
 }
 
@@ -61,16 +62,23 @@ Figure heat_map(const CampaignResults& results) {
   std::string script = data_block("cells", {p, q, divided(rate, scale.factor), error});
   script += class_tics("x", rates.diameter, unit) + class_tics("y", rates.diameter, unit);
   script += fmt::format("set xlabel 'class diameter [{0}]'\nset ylabel 'class diameter [{0}]'\n", unit.name);
-  script += fmt::format("set xrange [-0.5:{0}]\nset yrange [-0.5:{0}]\nset size ratio 0.8\nunset grid\nunset key\n", n - 0.5);
-  script += fmt::format("set logscale cb\nset cbrange [{:.6g}:{:.6g}]\n", *low / scale.factor * (flat ? 0.5 : 1.0), *high / scale.factor * (flat ? 2.0 : 1.0));
+  script +=
+      fmt::format("set xrange [-0.5:{0}]\nset yrange [-0.5:{0}]\nset size ratio 0.8\nunset grid\nunset key\n", n - 0.5);
+  script += fmt::format("set logscale cb\nset cbrange [{:.6g}:{:.6g}]\n", *low / scale.factor * (flat ? 0.5 : 1.0),
+                        *high / scale.factor * (flat ? 2.0 : 1.0));
   script += fmt::format("set cblabel 'C [{}m³/s]'\n", scale.prefix);
   script += "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\n";
   script += "plot $cells using 1:2:(0.5):(0.5):3 with boxxyerror fs solid 1.0 noborder lc palette notitle";
   if (n <= 9.0)  // the standard error in each cell, light on dark and dark on light
-    script += fmt::format(", \\\n     $cells using 1:2:(sprintf('±%.0f %%', $4)):($3 < {:.6g} ? 0xffffff : 0x1e293b) with labels font ',11' tc rgb variable notitle",
-                          std::sqrt(*low * *high) / scale.factor);
+    script += fmt::format(
+        ", \\\n     $cells using 1:2:(sprintf('±%.0f %%', $4)):($3 < {:.6g} ? 0xffffff : 0x1e293b) with labels font "
+        "',11' tc rgb variable notitle",
+        std::sqrt(*low * *high) / scale.factor);
   figure.plot.script = script + "\n";
-  figure.caption = fmt::format("C of the last DEM burst (burst {}), at real sizes; in the cells its standard error. Pairs that never collided stay white.", rates.burst);
+  figure.caption = fmt::format(
+      "C of the last DEM burst (burst {}), at real sizes; in the cells its standard error. Pairs that never collided "
+      "stay white.",
+      rates.burst);
   return figure;
 }
 
@@ -83,8 +91,10 @@ double total_collisions(const DemRates& rates) {
 
 /// Collisions per time of each burst with their Poisson error, as simulated.
 Figure totals(const CampaignResults& results) {
-  Figure figure{"Collisions and impacts by DEM burst", "Means over each burst's windows, as simulated (coarse-grained particles). Bars: standard error.",
-                {"collision-totals", 620, 420, ""}, kNoRates};
+  Figure figure{"Collisions and impacts by DEM burst",
+                "Means over each burst's windows, as simulated (coarse-grained particles). Bars: standard error.",
+                {"collision-totals", 620, 420, ""},
+                kNoRates};
   std::vector<double> burst, rate, error;
   for (const auto& rates : results.rates) {
     const double total = total_collisions(rates);
@@ -101,7 +111,8 @@ Figure totals(const CampaignResults& results) {
     for (std::size_t body = 0; body < impacts.size(); ++body) {
       double sum = 0.0, n = 0.0;
       for (std::size_t w = 0; w < dem.time.size(); ++w)
-        if (static_cast<double>(dem.burst[w]) == b && std::isfinite(dem.impacts[w][body])) sum += dem.impacts[w][body], n += 1.0;
+        if (static_cast<double>(dem.burst[w]) == b && std::isfinite(dem.impacts[w][body]))
+          sum += dem.impacts[w][body], n += 1.0;
       impacts[body].push_back(sum / n);
     }
 
@@ -109,17 +120,24 @@ Figure totals(const CampaignResults& results) {
   for (const auto& list : impacts) all.push_back(&list);
   const Scale scale = scale_for(all);
   std::vector<std::vector<double>> columns{burst, divided(rate, scale.factor), divided(error, scale.factor)};
-  std::string draws = fmt::format("$data using 1:2:3 with yerrorbars pt 7 ps 0.8 lw 2 lc rgb '{0}' title 'particle–particle', $data using 1:2 with lines lw 1.5 lc rgb '{0}' notitle",
-                                  category_colour(0));
+  std::string draws = fmt::format(
+      "$data using 1:2:3 with yerrorbars pt 7 ps 0.8 lw 2 lc rgb '{0}' title 'particle–particle', $data using 1:2 with "
+      "lines lw 1.5 lc rgb '{0}' notitle",
+      category_colour(0));
   for (std::size_t body = 0; body < impacts.size(); ++body) {
     if (!has_numbers(impacts[body])) continue;
     columns.push_back(divided(impacts[body], scale.factor));
-    draws += fmt::format(", \\\n     $data using 1:{} with linespoints lw 1.5 pt 7 ps 0.8 lc rgb '{}' title {} noenhanced", columns.size(),
-                         category_colour(body + 1), text_literal("impacts on " + dem.bodies[body]));
+    draws += fmt::format(
+        ", \\\n     $data using 1:{} with linespoints lw 1.5 pt 7 ps 0.8 lc rgb '{}' title {} noenhanced",
+        columns.size(), category_colour(body + 1), text_literal("impacts on " + shortened(dem.bodies[body], 14)));
   }
-  figure.plot.script = data_block("data", columns) + fmt::format("set xlabel 'burst'\nset ylabel 'per time [{}1/s]'\nset yrange [0:*]\nset xrange [{}:{}]\nset xtics 1 nomirror\nplot {}\n",
-                                                                 scale.prefix, burst.front() - 0.5, burst.back() + 0.5, draws);
-  if (burst.size() > 12) figure.plot.script.replace(figure.plot.script.find("set xtics 1 nomirror\n"), 21, "");
+  figure.plot.script =
+      data_block("data", columns) + fmt::format(
+                                        "set xlabel 'burst'\nset ylabel 'per time [{}1/s]'\nset yrange [0:*]\nset "
+                                        "xrange [{}:{}]\nset xtics 1 nomirror\nplot {}\n",
+                                        scale.prefix, burst.front() - 0.5, burst.back() + 0.5, draws);
+  if (burst.back() - burst.front() > 12.0)
+    figure.plot.script.replace(figure.plot.script.find("set xtics 1 nomirror\n"), 21, "");
   return figure;
 }
 
@@ -129,14 +147,16 @@ std::vector<double> density(const SpeedHistogram& speed) {
   double total = 0.0;
   for (const double count : speed.count) total += count;
   if (!(total > 0.0) || speed.edge.size() != speed.count.size() + 1) return q;
-  for (std::size_t i = 0; i < speed.count.size(); ++i) q.push_back(speed.count[i] / total / std::log(speed.edge[i + 1] / speed.edge[i]));
+  for (std::size_t i = 0; i < speed.count.size(); ++i)
+    q.push_back(speed.count[i] / total / std::log(speed.edge[i + 1] / speed.edge[i]));
   return q;
 }
 
 /// The edges in use: a histogram may begin at 0, which has no place on a logarithmic axis.
 std::vector<double> speed_centres(const std::vector<double>& edge) {
   std::vector<double> middle;
-  for (std::size_t i = 0; i + 1 < edge.size(); ++i) middle.push_back(edge[i] > 0.0 ? std::sqrt(edge[i] * edge[i + 1]) : 0.5 * edge[i + 1]);
+  for (std::size_t i = 0; i + 1 < edge.size(); ++i)
+    middle.push_back(edge[i] > 0.0 ? std::sqrt(edge[i] * edge[i + 1]) : 0.5 * edge[i + 1]);
   return middle;
 }
 
@@ -158,16 +178,22 @@ Figure speeds(const CampaignResults& results, const char* id, const char* title,
   const std::size_t every = (n + 7) / 8;
   for (std::size_t i = 0; i < n; ++i) {
     const SpeedHistogram& speed = results.rates[i].*member;
-    if (speed.edge != (results.rates.back().*member).edge) continue;  // another axis; all bursts of a campaign share one
-    plot.lines.push_back({i % every == 0 || i + 1 == n ? fmt::format("burst {}", results.rates[i].burst) : "", sequence_colour(i, n), density(speed), false});
+    if (speed.edge != (results.rates.back().*member).edge)
+      continue;  // another axis; all bursts of a campaign share one
+    plot.lines.push_back({i % every == 0 || i + 1 == n ? fmt::format("burst {}", results.rates[i].burst) : "",
+                          sequence_colour(i, n), density(speed), false});
   }
   if (n > 0) {
     const SpeedHistogram& last = results.rates.back().*member;
     plot.x = speed_centres(last.edge);
     if (last.ln_sigma > 0.0 && !density(last).empty())
-      plot.lines.push_back({fmt::format("log-normal fit, {}", results.rates.back().burst), "#1e293b", lognormal(plot.x, last.ln_mean, last.ln_sigma), true});
+      plot.lines.push_back({fmt::format("log-normal fit, {}", results.rates.back().burst), "#1e293b",
+                            lognormal(plot.x, last.ln_mean, last.ln_sigma), true});
   }
-  return {title, "Speeds at first touch. Dashed: the log-normal law of the last burst, which the kernels use.", {id, 620, 340, line_plot_script(plot)}, kNoRates};
+  return {title,
+          "Speeds at first touch. Dashed: the log-normal law of the last burst, which the kernels use.",
+          {id, 620, 340, line_plot_script(plot)},
+          kNoRates};
 }
 
 }  // namespace

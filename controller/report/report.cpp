@@ -21,6 +21,9 @@ struct Section {
   std::vector<Figure> figures;
 };
 
+constexpr auto kNumber = Column::Kind::number;
+constexpr auto kProse = Column::Kind::prose;
+
 std::string panel(const std::string& html) { return "<div class=\"panel\">" + html + "</div>\n"; }
 std::string soft(const std::string& text) { return "<p class=\"soft\">" + escaped(text) + "</p>\n"; }
 
@@ -29,11 +32,13 @@ std::string card(const std::string& value, const std::string& name) {
 }
 
 std::size_t count_bursts(const CampaignResults& r, std::string_view kind) {
-  return static_cast<std::size_t>(std::count_if(r.bursts.begin(), r.bursts.end(), [&](const auto& burst) { return burst.kind == kind; }));
+  return static_cast<std::size_t>(
+      std::count_if(r.bursts.begin(), r.bursts.end(), [&](const auto& burst) { return burst.kind == kind; }));
 }
 
 const KindUse* use_of(const CoreUse& use, std::string_view kind) {
-  const auto found = std::find_if(use.kinds.begin(), use.kinds.end(), [&](const auto& one) { return one.kind == kind; });
+  const auto found =
+      std::find_if(use.kinds.begin(), use.kinds.end(), [&](const auto& one) { return one.kind == kind; });
   return found == use.kinds.end() ? nullptr : &*found;
 }
 
@@ -73,7 +78,8 @@ std::string cards(const CampaignResults& r) {
   out += card(seconds("dem"), "with DEM running");
   out += card(seconds("pbm"), "with PBM running");
   out += card(duration(r.core_use.idle), "with nothing running");
-  out += card(percent(r.core_use.busy_share), fmt::format("core use, {} core{}", r.core_use.cores, r.core_use.cores == 1 ? "" : "s"));
+  out += card(percent(r.core_use.busy_share),
+              fmt::format("core use, {} core{}", r.core_use.cores, r.core_use.cores == 1 ? "" : "s"));
   return out + "</div>\n";
 }
 
@@ -82,13 +88,23 @@ std::string bursts_table(const CampaignResults& r) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& b : r.bursts) {
     const bool dem = b.kind == "dem";
-    rows.push_back({std::to_string(b.number), kind_name(b.kind), b.reason + (b.exit_code == 0 ? "" : fmt::format(" (exit code {})", b.exit_code)),
-                    dem ? fmt::format("{:.4g} → {:.4g} s", b.dem_start, b.dem_end) : fmt::format("{:.4g} → {:.4g} s", b.process_start, b.process_end),
-                    duration(b.wall), std::to_string(b.cores), diameter(b.d50), number(b.particles), dem ? number(b.dem_particles) : "–",
-                    dem ? number(b.coarse_graining) : "–"});
+    rows.push_back({std::to_string(b.number), kind_name(b.kind),
+                    b.reason + (b.exit_code == 0 ? "" : fmt::format(" (exit code {})", b.exit_code)),
+                    dem ? fmt::format("{:.4g} → {:.4g} s", b.dem_start, b.dem_end)
+                        : fmt::format("{:.4g} → {:.4g} s", b.process_start, b.process_end),
+                    duration(b.wall), std::to_string(b.cores), diameter(b.d50), number(b.particles),
+                    dem ? number(b.dem_particles) : "–", dem ? number(b.coarse_graining) : "–"});
   }
-  return table({{"#", true}, {"kind"}, {"why it ended"}, {"DEM or process clock", true}, {"wall", true}, {"cores", true}, {"d50", true}, {"particles", true},
-                {"DEM particles", true}, {"coarse-graining", true}},
+  return table({{"#", kNumber},
+                {"kind"},
+                {"why it ended", kProse},
+                {"DEM or process clock", kNumber},
+                {"wall", kNumber},
+                {"cores", kNumber},
+                {"d50", kNumber},
+                {"particles", kNumber},
+                {"DEM particles", kNumber},
+                {"coarse-graining", kNumber}},
                rows);
 }
 
@@ -96,9 +112,10 @@ std::string core_table(const CoreUse& use) {
   std::vector<std::vector<std::string>> rows;
   const double all = static_cast<double>(use.cores) * use.wall;
   for (const auto& kind : use.kinds)
-    rows.push_back({kind_name(kind.kind), duration(kind.wall), number(kind.core_seconds), percent(all > 0.0 ? kind.core_seconds / all : std::nan(""))});
+    rows.push_back({kind_name(kind.kind), duration(kind.wall), number(kind.core_seconds),
+                    percent(all > 0.0 ? kind.core_seconds / all : std::nan(""))});
   rows.push_back({"nothing", duration(use.idle), "–", percent(1.0 - use.busy_share) + " idle"});
-  return table({{"running"}, {"wall time", true}, {"core seconds", true}, {"of the allocation", true}}, rows);
+  return table({{"running"}, {"wall time", kNumber}, {"core seconds", kNumber}, {"of the allocation", kNumber}}, rows);
 }
 
 std::string drift_table(const PbmSeries& pbm) {
@@ -109,22 +126,29 @@ std::string drift_table(const PbmSeries& pbm) {
       if (!std::isnan(value) && !(most >= std::abs(value))) most = std::abs(value);
     return std::vector<std::string>{quantity, number(drift.back()), number(most)};
   };
-  return table({{"balance of"}, {"error at the end", true}, {"largest error", true}},
-               {row("solid 1", pbm.drift_solid_1), row("solid 2", pbm.drift_solid_2), row("liquid", pbm.drift_liquid), row("gas (less what consolidation took)", pbm.drift_gas)}) +
-         soft(fmt::format("|hold-up − start − in + out| over what ever was in. {} mm³ of solid left the grid at its top.", number(1e9 * pbm.oversize.back())));
+  return table({{"balance of"}, {"error at the end", kNumber}, {"largest error", kNumber}},
+               {row("solid 1", pbm.drift_solid_1), row("solid 2", pbm.drift_solid_2), row("liquid", pbm.drift_liquid),
+                row("gas (less what consolidation took)", pbm.drift_gas)}) +
+         soft(fmt::format(
+             "|hold-up − start − in + out| over what ever was in. {} mm³ of solid left the grid at its top.",
+             number(1e9 * pbm.oversize.back())));
 }
 
 std::string choices_table(const std::vector<ModelChoice>& choices) {
   if (choices.empty()) return soft("The results hold no list of choices.");
   std::vector<std::vector<std::string>> rows;
   for (const auto& c : choices) rows.push_back({c.choice, c.value, c.error, c.cost});
-  return table({{"choice"}, {"taken"}, {"error"}, {"cost"}}, rows);
+  return table({{"choice", kProse}, {"taken", kProse}, {"error", kProse}, {"cost", kProse}}, rows);
 }
 
 std::string provenance_html(const Provenance& p) {
   std::string out = "<div class=\"two\">\n";
-  out += panel(table({{"run"}, {""}}, {{"campaign", p.name}, {"kind", p.kind}, {"machine", p.host}, {"started", p.started}, {"finished", p.finished},
-                                      {"Granary", p.version + " (" + p.revision + ")"}}));
+  out += panel(table({{"run"}, {""}}, {{"campaign", p.name},
+                                       {"kind", p.kind},
+                                       {"machine", p.host},
+                                       {"started", p.started},
+                                       {"finished", p.finished},
+                                       {"Granary", p.version + " (" + p.revision + ")"}}));
   std::vector<std::vector<std::string>> rows;
   for (const auto& version : p.versions) rows.push_back({version.of, version.value});
   for (const auto& seed : p.seeds) rows.push_back({"seed: " + seed.of, std::to_string(seed.value)});
@@ -132,7 +156,8 @@ std::string provenance_html(const Provenance& p) {
   out += panel(table({{"version or seed"}, {""}}, rows));
   out += "</div>\n";
   if (!p.campaign_json.empty())
-    out += panel("<details><summary>Settings: campaign.json as understood (SI units)</summary><pre>" + escaped(p.campaign_json) + "</pre></details>");
+    out += panel("<details><summary>Settings: campaign.json as understood (SI units)</summary><pre>" +
+                 escaped(p.campaign_json) + "</pre></details>");
   return out;
 }
 
@@ -144,21 +169,28 @@ std::vector<Section> sections_of(const CampaignResults& r) {
           {"dem", "Inside the DEM", "DEM", "", dem_figures(r)},
           {"cores", "What ran where", "Cores", panel(core_table(r.core_use)), core_figures(r)},
           {"balance", "Conservation", "Conservation", panel(drift_table(r.pbm)), {}},
-          {"choices", "What was modelled, what was left out, and what each choice is worth", "Choices", panel(choices_table(r.choices)), {}},
+          {"choices",
+           "What was modelled, what was left out, and what each choice is worth",
+           "Choices",
+           panel(choices_table(r.choices)),
+           {}},
           {"provenance", "Provenance", "Provenance", provenance_html(r.provenance), {}}};
 }
 
 std::string figure_html(const Figure& figure, const std::string& svg) {
   const std::string title = escaped(figure.title);
   // The picture says to a screen reader what it shows.
-  const std::string labelled = "<svg role=\"img\" aria-label=\"" + title + "\"" + svg.substr(std::string_view("<svg").size());
-  return fmt::format("<figure id=\"{}\"{}>\n<h3>{}</h3>\n<div class=\"plot\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n", figure.plot.id,
-                     figure.plot.width > 1000 ? " class=\"wide\"" : "", title, labelled, escaped(figure.caption));
+  const std::string labelled =
+      "<svg role=\"img\" aria-label=\"" + title + "\"" + svg.substr(std::string_view("<svg").size());
+  return fmt::format(
+      "<figure id=\"{}\"{}>\n<h3>{}</h3>\n<div class=\"plot\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
+      figure.plot.id, figure.plot.width > 1000 ? " class=\"wide\"" : "", title, labelled, escaped(figure.caption));
 }
 
 /// Takes the drawings of this section's figures from the front of `next`.
 std::string section_html(const Section& section, std::vector<std::string>::const_iterator& next) {
-  std::string out = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", section.id, escaped(section.title), section.html);
+  std::string out =
+      fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", section.id, escaped(section.title), section.html);
   std::string drawn, missing;
   for (const auto& figure : section.figures) {
     if (figure.plot.script.empty())
@@ -166,24 +198,29 @@ std::string section_html(const Section& section, std::vector<std::string>::const
     else
       drawn += figure_html(figure, *next++);
   }
-  if (!drawn.empty()) out += "<div class=\"figures\"" + std::string(section.html.empty() ? "" : " style=\"margin-top:14px\"") + ">\n" + drawn + "</div>\n";
+  if (!drawn.empty())
+    out += "<div class=\"figures\"" + std::string(section.html.empty() ? "" : " style=\"margin-top:14px\"") + ">\n" +
+           drawn + "</div>\n";
   if (!missing.empty()) out += "<ul class=\"missing\">\n" + missing + "</ul>\n";
   return out + "</section>\n";
 }
 
 std::string navigation(const std::vector<Section>& sections) {
   std::string out = "<nav>";
-  for (const auto& section : sections) out += fmt::format("<a href=\"#{}\">{}</a>\n", section.id, escaped(section.short_title));
+  for (const auto& section : sections)
+    out += fmt::format("<a href=\"#{}\">{}</a>\n", section.id, escaped(section.short_title));
   return out + "</nav>\n";
 }
 
 std::string header_html(const CampaignResults& r) {
   const auto& p = r.provenance;
   const std::string badge = r.ended == "steady" || r.ended == "failed" ? r.ended : "other";
-  std::string out = fmt::format("<header>\n<h1>{}<span class=\"badge {}\">{}</span></h1>\n", escaped(p.name.empty() ? "Campaign" : p.name), badge,
+  std::string out = fmt::format("<header>\n<h1>{}<span class=\"badge {}\">{}</span></h1>\n",
+                                escaped(p.name.empty() ? "Campaign" : p.name), badge,
                                 escaped(r.ended.empty() ? "not ended" : r.ended));
   if (!r.message.empty()) out += "<p>" + escaped(r.message) + "</p>\n";
-  return out + soft(fmt::format("{} campaign · {} · {} · Granary {}", p.kind, p.started, p.host, p.version)) + "</header>\n";
+  return out + soft(fmt::format("{} campaign · {} · {} · Granary {}", p.kind, p.started, p.host, p.version)) +
+         "</header>\n";
 }
 
 }  // namespace
@@ -203,9 +240,10 @@ Result<std::string> report_html(const CampaignResults& results, Plotter& plotter
   for (const auto& section : sections) body += section_html(section, next);
 
   return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"generator\" content=\"Granary\">\n<title>" +
-         escaped(results.provenance.name) + " – Granary report</title>\n<style>\n" + std::string(assets::style) + "</style>\n</head>\n<body>\n<div class=\"page\">\n" +
-         body + "</div>\n</body>\n</html>\n";
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"generator\" "
+         "content=\"Granary\">\n<title>" +
+         escaped(results.provenance.name) + " – Granary report</title>\n<style>\n" + std::string(assets::style) +
+         "</style>\n</head>\n<body>\n<div class=\"page\">\n" + body + "</div>\n</body>\n</html>\n";
 }
 
 }  // namespace granary::report

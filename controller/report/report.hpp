@@ -15,8 +15,8 @@ namespace granary::report {
 /// Errors: those of the plotter.
 Result<std::string> report_html(const CampaignResults& results, Plotter& plotter);
 
-/// Reads the results, draws with gnuplot and writes the page (beside it first, then renamed over it). The results are only read.
-/// Errors: results that cannot be read, no gnuplot, a page that cannot be written.
+/// Reads the results, draws with gnuplot and writes the page (beside it first, then renamed over it). The results are
+/// only read. Errors: results that cannot be read, no gnuplot, a page that cannot be written.
 Status write_report(const std::filesystem::path& results_h5, const std::filesystem::path& html);
 
 }  // namespace granary::report

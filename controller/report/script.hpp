@@ -11,13 +11,17 @@ namespace granary::report {
 /// A text as gnuplot takes it: 'it''s'. Line breaks become blanks, so that no text can end its command.
 std::string text_literal(std::string_view text);
 
+/// The first `most` characters (not bytes), with "…" if there were more: a long legend leaves no room for the plot.
+std::string shortened(std::string_view text, std::size_t most = 24);
+
 /// Colours by what they stand for. All are told apart with any colour vision (Okabe and Ito 2008; viridis).
 std::string_view kind_colour(std::string_view task_kind);
-std::string_view category_colour(std::size_t i);             ///< bodies, materials: no order
-std::string sequence_colour(std::size_t i, std::size_t n);   ///< compartments, bursts, times: dark to light in their order
+std::string_view category_colour(std::size_t i);  ///< bodies, materials: no order
+std::string sequence_colour(std::size_t i,
+                            std::size_t n);  ///< compartments, bursts, times: dark to light in their order
 
-/// A power of ten that brings the largest of `values` between 1 and 1000 when divided by it, and how it is written in an axis
-/// title: "10⁸ ". Plain (1, "") between 0.1 and 9999.
+/// A power of ten that brings the largest of `values` between 1 and 1000 when divided by it, and how it is written in
+/// an axis title: "10⁸ ". Plain (1, "") between 0.1 and 9999.
 struct Scale {
   double factor = 1.0;
   std::string prefix;
@@ -31,8 +35,10 @@ struct LengthUnit {
 };
 LengthUnit length_unit_for(double largest_metres);
 
-/// A named data block: one line a row, NaN where a number is not finite; a blank line, which breaks lines, before each row of `breaks`.
-std::string data_block(std::string_view name, const std::vector<std::vector<double>>& columns, const std::vector<std::size_t>& breaks = {});
+/// A named data block: one line a row, NaN where a number is not finite; a blank line, which breaks lines, before each
+/// row of `breaks`.
+std::string data_block(std::string_view name, const std::vector<std::vector<double>>& columns,
+                       const std::vector<std::size_t>& breaks = {});
 
 bool has_numbers(const std::vector<double>& values);  ///< one at least is finite
 /// Column j of rows; NaN where a row is too short.
@@ -40,7 +46,7 @@ std::vector<double> column_of(const std::vector<std::vector<double>>& rows, std:
 std::vector<double> divided(std::vector<double> values, double by);
 
 struct Line {
-  std::string title;   ///< "": not in the legend
+  std::string title;  ///< "": not in the legend
   std::string colour;
   std::vector<double> y;
   bool dashed = false;
@@ -66,7 +72,7 @@ struct LinePlot {
   std::vector<Band> bands;
   std::vector<Mark> marks;
   bool log_x = false;
-  bool from_zero = true;   ///< the y axis begins at 0
+  bool from_zero = true;  ///< the y axis begins at 0
   bool with_points = false;
 };
 

@@ -70,7 +70,8 @@ std::string dataset_bits(const fs::path& file) {
 
 TEST_F(CampaignResultsFile, GivesBackWhatWasWritten) {
   auto results = test::example_results();
-  for (auto& burst : results.bursts) burst.coarse_graining = burst.dem_particles = 1.0;  // NaN equals nothing: see the next test
+  for (auto& burst : results.bursts)
+    burst.coarse_graining = burst.dem_particles = 1.0;  // NaN equals nothing: see the next test
 
   ASSERT_TRUE(write_results(results, file()));
   const auto read = read_results(file());
@@ -148,8 +149,10 @@ std::map<std::string, std::string> documented() {
     if (!line.starts_with("| `/")) continue;
     std::vector<std::string> cells;
     std::istringstream row(line.substr(1));
-    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell.size() > 2 ? cell.substr(1, cell.size() - 2) : "");
-    const bool first = rows.emplace(cells.at(0).substr(1, cells.at(0).size() - 2), cells.at(1) + "|" + cells.at(2)).second;
+    for (std::string cell; std::getline(row, cell, '|');)
+      cells.push_back(cell.size() > 2 ? cell.substr(1, cell.size() - 2) : "");
+    const bool first =
+        rows.emplace(cells.at(0).substr(1, cells.at(0).size() - 2), cells.at(1) + "|" + cells.at(2)).second;
     EXPECT_TRUE(first) << line;
   }
   return rows;
@@ -219,7 +222,8 @@ TEST_F(CampaignResultsFile, SaysWhatAForeignFileIs) {
   EXPECT_THAT(read_results(file()).error().message, HasSubstr("no HDF5 file"));
 
   ASSERT_TRUE(Hdf5File::create(file())->attribute("/", "format", "granary-pbm-out-1"));
-  EXPECT_THAT(read_results(file()).error().message, HasSubstr("\"granary-pbm-out-1\"; \"granary-results-1\" is wanted"));
+  EXPECT_THAT(read_results(file()).error().message,
+              HasSubstr("\"granary-pbm-out-1\"; \"granary-results-1\" is wanted"));
 }
 
 TEST_F(CampaignResultsFile, SaysWhichDatasetIsMissingOrMisshapen) {
@@ -229,8 +233,10 @@ TEST_F(CampaignResultsFile, SaysWhichDatasetIsMissingOrMisshapen) {
     return read_results(file());
   };
 
-  EXPECT_THAT(spoil("/pbm/porosity", {{2, 3}, std::vector<double>(6)}).error().message, HasSubstr("/pbm/porosity has 2 where /pbm/time has 5 (T)"));
-  EXPECT_THAT(spoil("/pbm/porosity", {{5}, std::vector<double>(5)}).error().message, HasSubstr("/pbm/porosity has 1 axes"));
+  EXPECT_THAT(spoil("/pbm/porosity", {{2, 3}, std::vector<double>(6)}).error().message,
+              HasSubstr("/pbm/porosity has 2 where /pbm/time has 5 (T)"));
+  EXPECT_THAT(spoil("/pbm/porosity", {{5}, std::vector<double>(5)}).error().message,
+              HasSubstr("/pbm/porosity has 1 axes"));
   EXPECT_THAT(spoil("/summary/ended", {{1}, {1.0}}).error().message, HasSubstr("/summary/ended"));
   EXPECT_FALSE(spoil("/rates/0007/diameter", {{1}, {1.0}}));
   EXPECT_FALSE(spoil("/rates/last/diameter", {{1}, {1.0}}));
@@ -241,19 +247,22 @@ TEST_F(CampaignResultsFile, SaysThatACutFileWasCut) {
   const std::string whole = *read_text(file());
 
   for (const double share : {0.1, 0.5, 0.9, 0.999}) {
-    ASSERT_TRUE(write_text_atomically(file(), whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())))));
+    ASSERT_TRUE(write_text_atomically(
+        file(), whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())))));
     EXPECT_FALSE(read_results(file())) << share;
   }
 }
 
 TEST(CoreUse, CountsOverlapsOnceInTimeAndEachCoreInCoreSeconds) {
-  const std::vector<TimelineEntry> timeline{{"a", "dem", 1, {0, 1}, 0.0, 4.0},     {"m", "monitor", 1, {}, 0.0, 4.0},
-                                            {"b", "pbm", 1, {0}, 5.0, 7.0},        {"e1", "estimation", 1, {1}, 5.0, 6.0},
-                                            {"e2", "estimation", 1, {2}, 5.5, 7.0}, {"x", "sorting", 1, {3}, 8.0, 9.0}};
+  const std::vector<TimelineEntry> timeline{
+      {"a", "dem", 1, {0, 1}, 0.0, 4.0},      {"m", "monitor", 1, {}, 0.0, 4.0},
+      {"b", "pbm", 1, {0}, 5.0, 7.0},         {"e1", "estimation", 1, {1}, 5.0, 6.0},
+      {"e2", "estimation", 1, {2}, 5.5, 7.0}, {"x", "sorting", 1, {3}, 8.0, 9.0}};
 
   const CoreUse use = core_use(timeline, 4, 10.0);
 
-  const std::vector<KindUse> kinds{{"dem", 4.0, 8.0}, {"pbm", 2.0, 2.0}, {"monitor", 4.0, 0.0}, {"estimation", 2.0, 2.5}, {"other", 1.0, 1.0}};
+  const std::vector<KindUse> kinds{
+      {"dem", 4.0, 8.0}, {"pbm", 2.0, 2.0}, {"monitor", 4.0, 0.0}, {"estimation", 2.0, 2.5}, {"other", 1.0, 1.0}};
   EXPECT_EQ(use.kinds, kinds);
   EXPECT_DOUBLE_EQ(use.idle, 3.0);
   EXPECT_DOUBLE_EQ(use.busy_share, 13.5 / 40.0);
