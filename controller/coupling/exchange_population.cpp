@@ -386,7 +386,7 @@ json::Value to_json(const SampledPopulation& sampled) {
   return json::Value::object({{"coarse_graining", sampled.coarse_graining},
                               {"coarse_graining_changed", sampled.coarse_graining_changed},
                               {"total", std::int64_t{sampled.total}},
-                              {"diameters_m", sampled.class_diameter},
+                              {"class_diameter_m", sampled.class_diameter},
                               {"counts", std::move(counts)},
                               {"density_kg_m3", sampled.density},
                               {"volume_m3", sampled.volume},
