@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "common/json/reader.hpp"
-#include "common/units.hpp"
 
 namespace granary::dem {
 namespace {
@@ -65,7 +64,7 @@ BatchBowl read_bowl(Reader in) {
   b.lid_height = in.number_or("lid_height", b.lid_height, Range::positive());
   b.impeller_diameter = in.number_or("impeller_diameter", b.impeller_diameter, Range::positive());
   b.impeller_blades = static_cast<int>(in.integer_or("impeller_blades", b.impeller_blades, Range::between(1, 12)));
-  b.impeller_pitch = in.number_or("impeller_pitch", b.impeller_pitch, Range::between(0.0, 0.5 * kPi));
+  b.impeller_pitch = in.number_or("impeller_pitch", b.impeller_pitch, Range::between(0.0, 1.3));
   b.chopper_diameter = in.number_or("chopper_diameter", b.chopper_diameter, Range::positive());
   b.chopper_blades = static_cast<int>(in.integer_or("chopper_blades", b.chopper_blades, Range::between(1, 12)));
   if (!(b.cylinder_height < b.cover_height && b.cover_height < b.lid_height))

@@ -11,8 +11,9 @@ namespace {
 constexpr int kAround = 32;            // sides of the bowl; flats touch the nominal circles
 constexpr int kShaftAround = 12;
 constexpr double kWall = 0.010;        // of the bowl [m]: thick, so that its outside is on no neighbour list
+constexpr double kClearance = 0.005;   // of the chopper from blades and lid: nothing is crushed between them [m]
 constexpr double kIntoWall = 0.001;    // how far shafts reach into the wall they come through [m]
-constexpr double kBladeThickness = 0.003, kChopperThickness = 0.002;  // [m]
+constexpr double kBladeThickness = 0.002, kChopperThickness = 0.002;  // [m]
 
 double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
 
@@ -34,8 +35,7 @@ std::vector<Blade> bowl_blades(const BatchBowl& b) {
     form.width = 0.16 * b.impeller_diameter;
     form.thickness = kBladeThickness;
     form.pitch = b.impeller_pitch;
-    const double half = 0.5 * (form.width * std::abs(std::cos(form.pitch)) + form.thickness * std::abs(std::sin(form.pitch)));
-    form.centre = {0.0, 0.0, gap(b) + half};
+    form.centre = {0.0, 0.0, gap(b) + half_extent(form)};
     form.root_radius = 0.06 * b.impeller_diameter;
     form.tip_radius = 0.5 * b.impeller_diameter;
     blades.push_back(form);
@@ -44,10 +44,10 @@ std::vector<Blade> bowl_blades(const BatchBowl& b) {
 }
 
 BowlShafts bowl_shafts(const BatchBowl& b) {
-  const double radius = 0.5 * b.chopper_diameter, clearance = 0.002;
-  const double height = std::min(blade_top(b) + radius + clearance, b.lid_height - radius - clearance);
-  const double centre = 0.375 * b.bottom_diameter;
-  return {0.1 * b.impeller_diameter, blade_top(b) + clearance, {centre, 0.0, height}, 0.24 * radius,
+  const double radius = 0.5 * b.chopper_diameter;
+  const double height = std::min(blade_top(b) + radius + kClearance, b.lid_height - radius - kClearance);
+  const double centre = 0.35 * b.bottom_diameter;
+  return {0.1 * b.impeller_diameter, blade_top(b) + 0.002, {centre, 0.0, height}, 0.24 * radius,
           centre - 0.5 * chopper_width(b) - 0.001};
 }
 

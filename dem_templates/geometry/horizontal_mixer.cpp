@@ -12,7 +12,8 @@ namespace {
 constexpr int kAround = 24;           // sides of the casing; flats touch the nominal cone
 constexpr int kShaftAround = 16;
 constexpr double kWall = 0.010;       // of the casing [m]: thick, so that its outside is on no neighbour list
-constexpr double kBladeThickness = 0.003;
+constexpr double kBladeThickness = 0.002;
+constexpr double kEndGap = 0.010;     // from the end plate to the first blade, so that it crushes nothing against it [m]
 constexpr double kQuarterTurn = 0.5 * kPi;
 
 // Profile points along the casing: ends, chute, two between, outlet. Cells between points 2-3 and m-3..m-2 open.
@@ -23,9 +24,9 @@ std::vector<double> stations(const HorizontalMixer& m) {
 }
 constexpr int kChuteCell = 2, kOutletCell = 6;  // counted along the profile; cell 0 is the end plate
 
-// Sides of a third of the half circle, about the top (side 0 begins at +y) or the bottom.
+// The sides about the top (side 0 begins at +y), 60 degrees, or about the bottom, 30 degrees.
 bool is_top(int around) { return around < 2 || around >= kAround - 2; }
-bool is_bottom(int around) { return around >= kAround / 2 - 2 && around < kAround / 2 + 2; }
+bool is_bottom(int around) { return around >= kAround / 2 - 1 && around < kAround / 2 + 1; }
 
 }  // namespace
 
@@ -36,31 +37,33 @@ double casing_radius(const HorizontalMixer& m, double x) {
 double casing_corner_radius(const HorizontalMixer& m, double x) { return touching_radius(casing_radius(m, x), kAround); }
 
 MixerPorts mixer_ports(const HorizontalMixer& m) {
-  const double pitch = m.shaft_length / (m.feed_elements + m.shear_elements + m.exit_elements);
+  const double spacing = m.shaft_length / (m.feed_elements + m.shear_elements + m.exit_elements);
   MixerPorts ports;
   ports.chute_from = 0.02 * m.length;
-  ports.chute_to = std::clamp(m.feed_elements * pitch, 0.08 * m.length, 0.25 * m.length);
-  ports.outlet_from = std::max(m.shaft_length + 0.1 * (m.length - m.shaft_length), 0.8 * m.length);
+  ports.chute_to = std::clamp(m.feed_elements * spacing, 0.08 * m.length, 0.25 * m.length);
+  ports.outlet_from = std::max(m.shaft_length + 0.4 * (m.length - m.shaft_length), 0.8 * m.length);
   ports.outlet_to = m.length - 0.01 * m.length;
   ports.chute_top = casing_corner_radius(m, ports.chute_to) + 0.25 * m.inlet_diameter;
-  ports.half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kAround);
+  ports.chute_half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kAround);
+  ports.outlet_half_width = casing_radius(m, m.length) * std::sin(2 * kPi / kAround);
   return ports;
 }
 
 std::vector<Blade> mixer_blades(const HorizontalMixer& m) {
   const int n = m.feed_elements + m.shear_elements + m.exit_elements;
-  const double pitch = n > 0 ? m.shaft_length / n : 0.0;
+  const double end_gap = std::min(kEndGap, 0.1 * m.shaft_length);
+  const double spacing = (m.shaft_length - end_gap) / std::max(n, 1);
   std::vector<Blade> blades;
   for (int i = 0; i < n; ++i) {
     const bool conveys = i < m.feed_elements || i >= n - m.exit_elements;
     Blade b;
     b.axis = Axis::x;
     b.angle = i * kQuarterTurn;
-    b.width = 1.2 * pitch;
+    b.width = 1.2 * spacing;
     b.thickness = kBladeThickness;
     b.pitch = conveys ? kPi / 4 : kPi / 9;
-    const double half = 0.5 * (b.width * std::cos(b.pitch) + b.thickness * std::sin(b.pitch));
-    b.centre = {std::clamp((i + 0.5) * pitch, half + 0.001, m.shaft_length - half), 0.0, 0.0};
+    const double half = half_extent(b);
+    b.centre = {std::clamp(end_gap + (i + 0.5) * spacing, end_gap + half, m.shaft_length - half), 0.0, 0.0};
     b.root_radius = 0.4 * m.shaft_diameter;
     b.tip_radius = 0.5 * m.impeller_diameter;
     blades.push_back(b);

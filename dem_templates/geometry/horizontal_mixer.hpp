@@ -9,8 +9,9 @@ namespace granary::dem {
 struct MixerPorts {
   double chute_from, chute_to;    ///< along x [m]
   double chute_top;               ///< height of its closed lid above the axis (y) [m]
+  double chute_half_width;        ///< along z [m]
   double outlet_from, outlet_to;  ///< along x [m]
-  double half_width;              ///< of both, along z [m]
+  double outlet_half_width;       ///< along z [m]
 };
 MixerPorts mixer_ports(const HorizontalMixer& mixer);
 

@@ -48,7 +48,7 @@ double share_inside(double low, double high, double from, double to) {
 double blades_inside(const std::vector<Blade>& blades, double shaft_radius, Axis axis, double from, double to) {
   double sum = 0.0;
   for (const Blade& b : blades) {
-    const double half = 0.5 * (b.width * std::abs(std::cos(b.pitch)) + b.thickness * std::abs(std::sin(b.pitch)));
+    const double half = half_extent(b);
     const double at = dot(b.centre, unit(axis));
     sum += blade_volume(b, shaft_radius) * share_inside(at - half, at + half, from, to);
   }

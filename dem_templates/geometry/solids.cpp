@@ -90,21 +90,23 @@ void add_surface(const Surface& surface, const Vessel& form, const std::function
     }
 }
 
-// Blade directions: along its length, its width and its thickness (the way its face looks).
+// Blade directions: along its length, along its width, and the way it goes.
 struct BladeFrame {
-  Vec3 out, wide, face;
+  Vec3 out, wide, ahead;
 };
 BladeFrame frame_of(const Blade& form) {
   const auto [first, second] = across(form.axis);
   const Vec3 out = std::cos(form.angle) * first + std::sin(form.angle) * second;
   const Vec3 ahead = std::cos(form.angle) * second - std::sin(form.angle) * first;  // axis x out
-  const double c = std::cos(form.pitch), s = std::sin(form.pitch);
-  return {out, c * unit(form.axis) - s * ahead, c * ahead + s * unit(form.axis)};
+  return {out, std::cos(form.pitch) * unit(form.axis) - std::sin(form.pitch) * ahead, ahead};
 }
+
+// Thickness measured along the way it goes.
+double thickness_ahead(const Blade& form) { return form.thickness / std::cos(form.pitch); }
 
 // Length of the blade from the axis so that its tip's outermost corners lie on the tip circle.
 double reach(const Blade& form) {
-  const double aside = 0.5 * (form.width * std::abs(std::sin(form.pitch)) + form.thickness * std::abs(std::cos(form.pitch)));
+  const double aside = 0.5 * (form.width * std::abs(std::sin(form.pitch)) + thickness_ahead(form));
   GRANARY_ASSERT(aside < form.tip_radius, aside);
   return std::sqrt(form.tip_radius * form.tip_radius - aside * aside);
 }
@@ -154,16 +156,18 @@ Mesh blade(const Blade& form) {
   for (int corner = 0; corner < 8; ++corner) {
     const double out = corner & 1 ? reach(form) : form.root_radius;
     const double wide = (corner & 2 ? 0.5 : -0.5) * form.width;
-    const double thick = (corner & 4 ? 0.5 : -0.5) * form.thickness;
-    mesh.vertex.push_back(form.centre + out * f.out + wide * f.wide + thick * f.face);
+    const double thick = (corner & 4 ? 0.5 : -0.5) * thickness_ahead(form);
+    mesh.vertex.push_back(form.centre + out * f.out + wide * f.wide + thick * f.ahead);
   }
   const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  // (out, wide, face) is left-handed for the rotor's sense of turning, or not: orient by the volume.
+  // (out, wide, ahead) is left-handed for the rotor's sense of turning, or not: orient by the volume.
   for (const auto& q : faces) add_quad(mesh, q[0], q[1], q[2], q[3], false);
   if (volume(mesh) < 0.0)
     for (Triangle& t : mesh.triangle) std::swap(t[1], t[2]);
   return mesh;
 }
+
+double half_extent(const Blade& form) { return 0.5 * form.width * std::cos(form.pitch); }
 
 double blade_volume(const Blade& form, double shaft_radius) {
   return std::max(0.0, reach(form) - std::max(form.root_radius, shaft_radius)) * form.width * form.thickness;

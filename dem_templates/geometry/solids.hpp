@@ -37,16 +37,20 @@ struct Vessel {
 };
 Mesh vessel(const Vessel& form);
 
-/// A flat blade on a rotor. Its tip corners lie exactly on the tip circle.
+/// A flat blade on a rotor. Its tip corners lie exactly on the tip circle; its two long edges are cut across the axis, so that
+/// no bevel drives particles under it.
 struct Blade {
   Axis axis = Axis::x;      ///< of the rotor, through `centre`
   Vec3 centre;              ///< of the blade, on the axis [m]
   double angle = 0.0;       ///< around the axis [rad]
   double root_radius = 0.0, tip_radius = 0.0;  ///< [m]
   double width = 0.0, thickness = 0.0;         ///< [m]
-  double pitch = 0.0;       ///< 0: the face looks where the blade goes; pi/2: along the axis [rad]
+  double pitch = 0.0;       ///< 0: the face looks where the blade goes; towards pi/2: along the axis [rad]
 };
 Mesh blade(const Blade& form);
+
+/// How far the blade reaches from its centre along the axis, to either side [m].
+double half_extent(const Blade& form);
 
 /// Volume of the blade outside a shaft of that radius, the shaft's curvature left out. [m^3]
 double blade_volume(const Blade& form, double shaft_radius);

@@ -195,7 +195,7 @@ Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all)
   if (c.feed_rate > 0.0) {
     GRANARY_TRY(feed, feed_commands(c));
   }
-  values.insert(values.end(), {{"ranks", number(c.ranks)}, {"outlet", outlet}, {"feed", feed}});
+  values.insert(values.end(), {{"outlet", outlet}, {"feed", feed}});
   return render(templates::in_cm5, "in.cm5.tmpl", values);
 }
 

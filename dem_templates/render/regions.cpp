@@ -76,7 +76,7 @@ Result<std::string> outlet_commands(const HorizontalMixer& m) {
 Result<std::string> feed_commands(const DemCase& c) {
   const HorizontalMixer& m = c.machine.mixer;
   const MixerPorts ports = mixer_ports(m);
-  const double d = feed_diameter(c), half = ports.half_width - 0.1 * d;
+  const double d = feed_diameter(c), half = ports.chute_half_width - 0.1 * d;
   // Above the blades and below the chute's lid, off its walls.
   return render(templates::feed, "feed.tmpl",
                 {{"xlo", digits(ports.chute_from + 0.1 * d)},
