@@ -14,7 +14,7 @@ constexpr double kOnEdge = 1e-12;
 SolidAxis::SolidAxis(int bins, double smallest, double ratio) {
   for (int i = 0; i < bins; ++i) pivot_.push_back(smallest * std::pow(ratio, i));
   edge_.push_back(0.0);
-  for (int i = 1; i < bins; ++i) edge_.push_back(0.5 * (pivot_[i - 1] + pivot_[i]));
+  for (int i = 1; i < bins; ++i) edge_.push_back(2.0 * pivot_[i] / (1.0 + ratio));
   edge_.push_back(pivot_.back());
   for (int i = 0; i < bins; ++i)
     for (int k = 0; k < bins; ++k) sum_cell_.push_back(cell(pivot_[i] + pivot_[k]));

@@ -17,8 +17,8 @@ struct PivotShare {
   double to_upper = 0.0;
 };
 
-/// The pivots x_i = smallest ratio^i of one solid [m^3], and midpoint cells around them:
-///   cell 0 = [0, (x_0+x_1)/2), cell i = [(x_{i-1}+x_i)/2, (x_i+x_{i+1})/2), the last one up to and with x_{n-1}.
+/// The pivots x_i = smallest q^i of one solid [m^3], each in the middle of its cell:
+///   cell i = [e_i, e_{i+1}),  e_i = 2 x_i / (1 + q),   but cell 0 begins at 0 and the last one ends with x_{n-1}.
 /// What lies above the last pivot is outside. A solid that is absent is one class at 0.
 class SolidAxis {
  public:
