@@ -8,6 +8,7 @@
 #include "controller/campaign/campaign_schema.hpp"
 #include "controller/campaign/checks.hpp"
 #include "controller/campaign/overrides.hpp"
+#include "controller/campaign/pointer.hpp"
 #include "controller/campaign/reread.hpp"
 #include "controller/campaign/sections.hpp"
 #include "pilot/schedule/check_tasks.hpp"
@@ -89,9 +90,24 @@ void read_tasks(json::Reader& root, Campaign& campaign) {
   if (!root.has("tasks") || (root.raw("tasks")->is_array() && items.empty()))
     root.problem("tasks", "there is no task.",
                  R"(Add for example "tasks": [{"name": "hello", "command": ["echo", "hello"]}].)");
-  for (json::Reader& item : items) campaign.tasks.push_back(pilot::read_task(item));
+  for (json::Reader& item : items) {
+    campaign.tasks.push_back(pilot::read_task(item));
+    if (campaign.tasks.back().name.empty()) item.problem("name", "a task needs a name.");
+  }
   refuse(root, "tasks",
          {"materials", "machine", "feed", "charge", "process", "spray", "dem", "pbm", "coupling", "cost_model"});
+}
+
+/// No setting of ours is null; the reader would take some for left out.
+void refuse_nulls(const json::Value& value, const std::string& file, const std::string& pointer,
+                  json::Problems& problems) {
+  if (value.is_null())
+    problems.add({file, pointer, "null", "no setting is null.", "Leave it out, and it takes its default."});
+  if (value.is_object())
+    for (const auto& [key, member] : value.members()) refuse_nulls(member, file, with_step(pointer, key), problems);
+  if (value.is_array())
+    for (std::size_t i = 0; i < value.size(); ++i)
+      refuse_nulls(value.items()[i], file, with_step(pointer, std::to_string(i)), problems);
 }
 
 /// The campaign that a document describes; what is wrong with it goes to the problems.
@@ -104,7 +120,8 @@ Result<Campaign> understand(json::Value document, const fs::path& file, const fs
 
   json::Reader root(campaign.document, file.string(), problems);
   if (!campaign.document.is_object()) return problems.error();
-  root.raw("$schema");
+  refuse_nulls(campaign.document, file.string(), "", problems);
+  root.text_or("$schema", "");
   read_version(root);
   campaign.name = read_name(root);
   campaign.description = root.text_or("description", "");

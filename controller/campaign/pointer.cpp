@@ -20,6 +20,12 @@ std::vector<std::string> steps_of(const std::string& pointer) {
   return steps;
 }
 
+std::string with_step(const std::string& pointer, const std::string& step) {
+  std::string longer = pointer + "/";
+  for (const char c : step) longer += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return longer;
+}
+
 long index_of(const std::string& step, std::size_t size) {
   if (step == "-") return static_cast<long>(size);
   long index = -1;

@@ -11,6 +11,9 @@ namespace granary::campaign {
 /// "/a~1b/0" -> {"a/b", "0"}. A pointer that does not begin with "/" has no steps.
 std::vector<std::string> steps_of(const std::string& pointer);
 
+/// One step further: "/dem", "a/b" -> "/dem/a~1b".
+std::string with_step(const std::string& pointer, const std::string& step);
+
 /// The index a step names in an array of that size, or -1. "-" is the place after the last.
 long index_of(const std::string& step, std::size_t size);
 
