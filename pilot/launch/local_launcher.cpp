@@ -157,11 +157,6 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
   request.env = environment_of(launch, state_->environment);
   request.argv = launch.spec.command;
   if (access(launch.dir.c_str(), F_OK) != 0) GRANARY_CHECK(make_folders(launch.dir));
-  GRANARY_TRY(const int out, make_output(stdout_path(launch)));
-  const OwnedFd out_owner(out);
-  const bool one_file = stderr_path(launch) == stdout_path(launch);
-  GRANARY_TRY(const int err, one_file ? Result<int>(-1) : make_output(stderr_path(launch)));
-  const OwnedFd err_owner(err);
   if (uses_mpirun(launch.spec)) {
     // mpirun would report a missing program too, but with an exit code of its own and a page of text.
     GRANARY_TRY(const std::string checked, find_executable(launch.spec.command[0], launch.dir, variable(request.env, "PATH")));
@@ -170,6 +165,11 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
     request.argv = mpirun_argv(launch, request.env, rank_file, geteuid() == 0);
   }
   GRANARY_TRY(request.file, find_executable(request.argv[0], launch.dir, variable(request.env, "PATH")));
+  GRANARY_TRY(const int out, make_output(stdout_path(launch)));
+  const OwnedFd out_owner(out);
+  const bool one_file = stderr_path(launch) == stdout_path(launch);
+  GRANARY_TRY(const int err, one_file ? Result<int>(-1) : make_output(stderr_path(launch)));
+  const OwnedFd err_owner(err);
   request.dir = launch.dir.string();
   request.cpus = state_->cpus_of(launch.cores);
   request.stdout_fd = out;

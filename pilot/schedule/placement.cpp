@@ -1,6 +1,7 @@
 #include "pilot/schedule/placement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace granary::pilot {
@@ -28,29 +29,36 @@ std::int64_t memory_on_node(const TaskSpec& spec, int cores) {
   return spec.cores() == 0 ? 0 : spec.memory_bytes / spec.cores() * cores;
 }
 
-/// Cores of one node: free ones if they suffice, else all free ones and as few fillers' as needed.
+/// Cores of one node: idle ones as far as they go, then those that are being given up, then fillers'.
 std::vector<int> cores_of_node(const Resources& resources, int node, const std::vector<Use>& use, int count) {
-  std::vector<int> cores = cores_of_use(resources, node, use, Use::free);
-  const auto wanted = static_cast<std::size_t>(count);
-  if (cores.size() >= wanted) return nearest(cores, wanted);
-  const std::vector<int> lent = cores_of_use(resources, node, use, Use::filler);
-  const std::vector<int> extra = nearest(lent, wanted - cores.size());
-  cores.insert(cores.end(), extra.begin(), extra.end());
-  std::sort(cores.begin(), cores.end());
-  return cores;
+  std::vector<int> chosen;
+  for (const Use wanted : {Use::free, Use::leaving, Use::filler}) {
+    const std::vector<int> cores = cores_of_use(resources, node, use, wanted);
+    const std::vector<int> some = nearest(cores, std::min(cores.size(), static_cast<std::size_t>(count) - chosen.size()));
+    chosen.insert(chosen.end(), some.begin(), some.end());
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
 std::optional<std::vector<int>> choose_on(int n_nodes, const TaskSpec& spec, const Resources& resources,
-                                          const std::vector<Use>& use) {
+                                          const Availability& available) {
+  const std::vector<Use>& use = available.use;
   struct Candidate {
-    int node, free = 0, lent = 0;  ///< cores: idle, held by fillers
-    int fillers_needed(int count) const { return std::max(0, count - free); }
+    int node, free = 0, leaving = 0, lent = 0;  ///< cores of each use
+    int available() const { return free + leaving + lent; }
+    /// What is worse about taking `count` cores here: fillers that must give way, then waiting for some to end, then a loose
+    /// fit (large nodes should stay whole).
+    std::array<int, 3> cost(int count) const {
+      return {std::max(0, count - free - leaving), std::max(0, count - free), available()};
+    }
   };
   std::vector<Candidate> candidates;
   for (int node = 0; node < resources.n_nodes(); ++node) {
     Candidate candidate{node};
     for (int core = resources.first_core(node); core < resources.end_core(node); ++core) {
       candidate.free += use[static_cast<std::size_t>(core)] == Use::free;
+      candidate.leaving += use[static_cast<std::size_t>(core)] == Use::leaving;
       candidate.lent += use[static_cast<std::size_t>(core)] == Use::filler;
     }
     candidates.push_back(candidate);
@@ -58,14 +66,10 @@ std::optional<std::vector<int>> choose_on(int n_nodes, const TaskSpec& spec, con
   std::vector<int> chosen;
   for (const int count : cores_by_node(spec, n_nodes)) {
     auto best = candidates.end();
-    // Rather idle cores than a filler's; then the tightest fit, so that large nodes stay whole.
-    const auto better = [count](const Candidate& a, const Candidate& b) {
-      const int a_needs = a.fillers_needed(count), b_needs = b.fillers_needed(count);
-      return a_needs != b_needs ? a_needs < b_needs : a.free + a.lent < b.free + b.lent;
-    };
     for (auto it = candidates.begin(); it != candidates.end(); ++it) {
-      const bool fits = it->free + it->lent >= count && resources.free_memory(it->node) >= memory_on_node(spec, count);
-      if (fits && (best == candidates.end() || better(*it, *best))) best = it;
+      const std::int64_t memory = available.free_memory[static_cast<std::size_t>(it->node)];
+      const bool fits = it->available() >= count && memory >= memory_on_node(spec, count);
+      if (fits && (best == candidates.end() || it->cost(count) < best->cost(count))) best = it;
     }
     if (best == candidates.end()) return std::nullopt;
     const std::vector<int> cores = cores_of_node(resources, best->node, use, count);
@@ -96,10 +100,17 @@ int fewest_nodes(const TaskSpec& spec, const Machine& machine) {
   return 0;
 }
 
-std::optional<std::vector<int>> choose_cores(const TaskSpec& spec, const Resources& resources, const std::vector<Use>& use) {
+std::optional<std::vector<int>> choose_cores(const TaskSpec& spec, const Resources& resources, const Availability& available) {
   const int nodes = fewest_nodes(spec, resources.machine());
   if (nodes == 0) return std::nullopt;
-  return choose_on(nodes, spec, resources, use);
+  return choose_on(nodes, spec, resources, available);
+}
+
+void take_memory(const TaskSpec& spec, const std::vector<int>& cores, const Resources& resources, Availability& available) {
+  if (spec.memory_bytes == 0) return;
+  for (const int core : cores) {
+    available.free_memory[static_cast<std::size_t>(resources.node_of(core))] -= memory_on_node(spec, 1);
+  }
 }
 
 std::vector<int> cores_to_wait_for(const TaskSpec& spec, const Resources& resources, const std::vector<Use>& use,

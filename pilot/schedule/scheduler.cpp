@@ -12,9 +12,10 @@ class Scheduler {
  public:
   Scheduler(const Table& table, const Resources& resources)
       : table_(table), resources_(resources), use_(static_cast<std::size_t>(resources.n_cores())), reserved_(use_.size(), false) {
+    for (int node = 0; node < resources.n_nodes(); ++node) memory_.push_back(resources.free_memory(node));
     for (int core = 0; core < resources.n_cores(); ++core) {
       const TaskId holder = resources.holder(core);
-      use_[index(core)] = holder == TaskId{} ? Use::free : gives_way(holder) ? Use::filler : Use::taken;
+      use_[index(core)] = holder == TaskId{} ? Use::free : use_of(table_.at(holder));
     }
   }
 
@@ -28,56 +29,68 @@ class Scheduler {
  private:
   static std::size_t index(int core) { return static_cast<std::size_t>(core); }
 
-  bool gives_way(TaskId id) const {
-    const Task& task = table_.at(id);
-    return task.spec.fill && task.state == TaskState::running && task.ending == Ending::none;
+  static Use use_of(const Task& holder) {
+    if (holder.ending == Ending::preempt) return Use::leaving;
+    return holder.spec.fill && holder.ending == Ending::none ? Use::filler : Use::taken;
   }
 
   /// What a task at this point of the order may use: nothing that an earlier one waits for.
-  std::vector<Use> unreserved() const {
-    std::vector<Use> use = use_;
-    for (std::size_t k = 0; k < use.size(); ++k) {
-      if (reserved_[k]) use[k] = Use::taken;
+  Availability unreserved() const {
+    Availability available{use_, memory_};
+    for (std::size_t k = 0; k < use_.size(); ++k) {
+      if (reserved_[k]) available.use[k] = Use::taken;
     }
-    return use;
+    return available;
   }
 
   void start_ready_tasks() {
     for (const Turn& turn : table_.ready) {
-      const std::vector<Use> use = unreserved();
-      if (std::count(use.begin(), use.end(), Use::taken) == static_cast<std::ptrdiff_t>(use.size())) return;
+      const Availability available = unreserved();
+      const auto taken = std::count(available.use.begin(), available.use.end(), Use::taken);
+      if (taken == static_cast<std::ptrdiff_t>(available.use.size())) return;
       const Task& task = table_.at(turn.id);
-      if (const auto cores = choose_cores(task.spec, resources_, use); cores && clear(*cores)) {
-        for (const int core : *cores) use_[index(core)] = Use::taken;
-        decisions_.push_back(StartTask{task.id, *cores});
+      if (const auto cores = choose_cores(task.spec, resources_, available); cores && clear(*cores)) {
+        start(task, *cores);
       } else {
-        const std::vector<int> wanted = cores ? *cores : cores_to_wait_for(task.spec, resources_, use, reserved_);
+        const auto wanted = cores ? *cores : cores_to_wait_for(task.spec, resources_, available.use, reserved_);
         for (const int core : wanted) reserved_[index(core)] = true;
       }
     }
   }
 
-  /// Makes the fillers on these cores give way. False if one of them has to end first.
+  /// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it has.
   bool clear(const std::vector<int>& cores) {
-    bool all_clear = true;
-    std::set<TaskId> fillers;
+    bool one_leaves = false;
+    std::set<TaskId> to_suspend, to_kill;
     for (const int core : cores) {
-      if (use_[index(core)] == Use::filler) fillers.insert(resources_.holder(core));
+      one_leaves = one_leaves || use_[index(core)] == Use::leaving;
+      if (use_[index(core)] != Use::filler) continue;
+      const TaskId holder = resources_.holder(core);
+      (table_.at(holder).spec.preempt == Preempt::suspend ? to_suspend : to_kill).insert(holder);
     }
-    for (const TaskId id : fillers) {
-      const bool suspends = table_.at(id).spec.preempt == Preempt::suspend;
-      if (suspends) {
-        decisions_.push_back(SuspendFiller{id});
-        suspended_now_.insert(id);
-      } else {
-        decisions_.push_back(KillFiller{id});
-        all_clear = false;
-      }
-      for (int core = 0; core < resources_.n_cores(); ++core) {
-        if (resources_.holder(core) == id) use_[index(core)] = suspends ? Use::free : Use::taken;
-      }
+    for (const TaskId id : to_kill) {
+      decisions_.push_back(KillFiller{id});
+      mark_cores_of(id, Use::leaving);
     }
-    return all_clear;
+    if (one_leaves || !to_kill.empty()) return false;
+    for (const TaskId id : to_suspend) {
+      decisions_.push_back(SuspendFiller{id});
+      mark_cores_of(id, Use::free);
+      suspended_now_.insert(id);
+    }
+    return true;
+  }
+
+  void mark_cores_of(TaskId id, Use use) {
+    for (const int core : table_.at(id).last().pieces.back().cores) use_[index(core)] = use;
+  }
+
+  void start(const Task& task, const std::vector<int>& cores) {
+    take(cores);
+    Availability available{{}, std::move(memory_)};
+    take_memory(task.spec, cores, resources_, available);
+    memory_ = std::move(available.free_memory);
+    decisions_.push_back(StartTask{task.id, cores});
   }
 
   /// Suspended and ready fillers, by priority; at equal priority those that have begun go first.
@@ -85,7 +98,7 @@ class Scheduler {
     auto suspended = table_.suspended.begin();
     auto ready = table_.ready_fillers.begin();
     // Fillers never push each other away: their cores count as taken from here on.
-    std::replace(use_.begin(), use_.end(), Use::filler, Use::taken);
+    for (Use& use : use_) use = use == Use::free ? Use::free : Use::taken;
     while (std::find(use_.begin(), use_.end(), Use::free) != use_.end()) {
       const bool more_suspended = suspended != table_.suspended.end(), more_ready = ready != table_.ready_fillers.end();
       if (!more_suspended && !more_ready) return;
@@ -128,11 +141,9 @@ class Scheduler {
   }
 
   bool start_filler(const Task& task) {
-    const auto cores = choose_cores(task.spec, resources_, use_);
-    if (!cores) return false;
-    take(*cores);
-    decisions_.push_back(StartTask{task.id, *cores});
-    return true;
+    const auto cores = choose_cores(task.spec, resources_, {use_, memory_});
+    if (cores) start(task, *cores);
+    return cores.has_value();
   }
 
   void take(const std::vector<int>& cores) {
@@ -142,7 +153,8 @@ class Scheduler {
   const Table& table_;
   const Resources& resources_;
   std::vector<Use> use_;
-  std::vector<bool> reserved_;
+  std::vector<std::int64_t> memory_;  ///< free, by node [bytes]
+  std::vector<bool> reserved_;        ///< by core: an earlier task waits for it
   std::set<TaskId> suspended_now_;
   std::vector<Decision> decisions_;
 };
