@@ -121,10 +121,18 @@ Figure busy_cores(const CampaignResults& results) {
   const double width = wall / kSlices;
   std::vector<double> from;
   for (std::size_t i = 0; i < kSlices; ++i) from.push_back(width * static_cast<double>(i));
-  std::vector<std::vector<double>> columns{from, std::vector<double>(kSlices, 0.0)};
+  // Each slice is drawn from its start to its end: a core is busy or not, there are no slopes.
+  const auto twice = [](const std::vector<double>& values) {
+    std::vector<double> out;
+    for (const double value : values) out.insert(out.end(), 2, value);
+    return out;
+  };
+  std::vector<double> steps = twice(from), below(kSlices, 0.0);
+  for (std::size_t i = 1; i < steps.size(); i += 2) steps[i] += width;
+  std::vector<std::vector<double>> columns{steps, twice(below)};
   std::vector<std::string> draws;
   for (const auto kind : kKinds) {
-    std::vector<double> top = columns.back();
+    std::vector<double> top = below;
     bool any = false;
     for (const auto& entry : results.timeline) {
       if (drawn_kind(entry.kind) != kind || entry.cores.empty()) continue;
@@ -135,7 +143,8 @@ Figure busy_cores(const CampaignResults& results) {
                   std::max(0.0, std::min(entry.end, from[i] + width) - std::max(entry.start, from[i])) / width;
     }
     if (!any) continue;
-    columns.push_back(std::move(top));
+    columns.push_back(twice(top));
+    below = std::move(top);
     draws.push_back(fmt::format("$data using 1:{}:{} with filledcurves fs solid 0.9 noborder lc rgb '{}' title '{}'",
                                 columns.size() - 1, columns.size(), kind_colour(kind), kind_title(kind)));
   }

@@ -160,6 +160,25 @@ std::vector<double> speed_centres(const std::vector<double>& edge) {
   return middle;
 }
 
+/// The curve (x, y) at other places, linear in ln x; NaN outside. Bursts with another coarse-graining have other
+/// classes.
+std::vector<double> resampled(const std::vector<double>& x, const std::vector<double>& y,
+                              const std::vector<double>& at) {
+  std::vector<double> out;
+  for (const double place : at) {
+    const auto right = static_cast<std::size_t>(std::lower_bound(x.begin(), x.end(), place) - x.begin());
+    if (right == x.size() || y.size() != x.size() || (right == 0 && x[0] != place)) {
+      out.push_back(std::nan(""));
+    } else if (x[right] == place) {
+      out.push_back(y[right]);
+    } else {
+      const double t = std::log(place / x[right - 1]) / std::log(x[right] / x[right - 1]);
+      out.push_back((1.0 - t) * y[right - 1] + t * y[right]);
+    }
+  }
+  return out;
+}
+
 std::vector<double> lognormal(const std::vector<double>& speed, double ln_mean, double ln_sigma) {
   std::vector<double> q;
   for (const double u : speed) {
@@ -175,21 +194,20 @@ Figure speeds(const CampaignResults& results, const char* id, const char* title,
   plot.y_title = "density, d(share)/d(ln U) [–]";
   plot.log_x = true;
   const std::size_t n = results.rates.size();
+  if (n > 0) plot.x = speed_centres((results.rates.back().*member).edge);
   const std::size_t every = (n + 7) / 8;
   for (std::size_t i = 0; i < n; ++i) {
     const SpeedHistogram& speed = results.rates[i].*member;
-    if (speed.edge != (results.rates.back().*member).edge)
-      continue;  // another axis; all bursts of a campaign share one
     plot.lines.push_back({i % every == 0 || i + 1 == n ? fmt::format("burst {}", results.rates[i].burst) : "",
-                          sequence_colour(i, n), density(speed), false});
+                          sequence_colour(i, n), resampled(speed_centres(speed.edge), density(speed), plot.x), false});
   }
   if (n > 0) {
     const SpeedHistogram& last = results.rates.back().*member;
-    plot.x = speed_centres(last.edge);
     if (last.ln_sigma > 0.0 && !density(last).empty())
       plot.lines.push_back({fmt::format("log-normal fit, {}", results.rates.back().burst), "#1e293b",
                             lognormal(plot.x, last.ln_mean, last.ln_sigma), true});
   }
+  trim_to_curves(plot);
   return {title,
           "Speeds at first touch. Dashed: the log-normal law of the last burst, which the kernels use.",
           {id, 620, 340, line_plot_script(plot)},

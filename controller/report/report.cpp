@@ -73,7 +73,7 @@ std::string cards(const CampaignResults& r) {
   std::string out = "<div class=\"cards\">\n";
   out += card(fmt::format("{} + {}", count_bursts(r, "dem"), count_bursts(r, "pbm")), "DEM and PBM bursts");
   out += card(duration(process), "of the process");
-  out += card(change_of_d50(r), "d50 by volume");
+  out += card(change_of_d50(r), "d50, first to last burst");
   out += card(duration(r.core_use.wall), "wall time");
   out += card(seconds("dem"), "with DEM running");
   out += card(seconds("pbm"), "with PBM running");

@@ -169,6 +169,21 @@ std::vector<double> divided(std::vector<double> values, double by) {
   return values;
 }
 
+void trim_to_curves(LinePlot& plot) {
+  std::size_t first = plot.x.size(), last = 0;
+  for (const auto& line : plot.lines)
+    for (std::size_t i = 0; i < line.y.size(); ++i)
+      if (line.y[i] > 2e-3 * largest(line.y)) first = std::min(first, i), last = std::max(last, i);
+  if (first > last) return;
+  const auto begin = static_cast<std::ptrdiff_t>(first == 0 ? 0 : first - 1);
+  const auto end = static_cast<std::ptrdiff_t>(std::min(last + 2, plot.x.size()));
+  const auto cut = [&](std::vector<double>& values) {
+    if (!values.empty()) values = {values.begin() + begin, values.begin() + end};
+  };
+  cut(plot.x);
+  for (auto& line : plot.lines) cut(line.y);
+}
+
 std::string line_plot_script(const LinePlot& plot) {
   const auto rows = rows_to_draw(plot.x.size(), plot.lines.size(), plot.breaks);
   std::vector<std::size_t> breaks;

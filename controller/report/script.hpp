@@ -76,6 +76,9 @@ struct LinePlot {
   bool with_points = false;
 };
 
+/// Leaves out the rows at both ends where no line has more than a 500th of its largest value.
+void trim_to_curves(LinePlot& plot);
+
 /// Commands that draw it; empty if no line has a number.
 std::string line_plot_script(const LinePlot& plot);
 

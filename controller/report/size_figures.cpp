@@ -35,27 +35,8 @@ LinePlot over_diameter(const std::vector<double>& edge) {
   return plot;
 }
 
-/// Leaves out the classes at both ends where no line has more than a 500th of its largest density.
-void trim(LinePlot& plot) {
-  std::size_t first = plot.x.size(), last = 0;
-  for (const auto& line : plot.lines) {
-    if (line.y.empty()) continue;
-    const double least = 2e-3 * *std::max_element(line.y.begin(), line.y.end());
-    for (std::size_t i = 0; i < line.y.size(); ++i)
-      if (line.y[i] > least) first = std::min(first, i), last = std::max(last, i);
-  }
-  if (first > last) return;
-  const auto begin = static_cast<std::ptrdiff_t>(first == 0 ? 0 : first - 1);
-  const auto end = static_cast<std::ptrdiff_t>(std::min(last + 2, plot.x.size()));
-  const auto cut = [&](std::vector<double>& values) {
-    if (!values.empty()) values = {values.begin() + begin, values.begin() + end};
-  };
-  cut(plot.x);
-  for (auto& line : plot.lines) cut(line.y);
-}
-
 Figure finished(const std::string& id, const std::string& title, LinePlot plot, std::string caption) {
-  trim(plot);
+  trim_to_curves(plot);
   return {title,
           std::move(caption),
           {id, 620, 340, line_plot_script(plot)},

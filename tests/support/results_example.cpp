@@ -214,7 +214,7 @@ CampaignResults example_results(int n_compartments, int n_rounds) {
     if (round == n_rounds) break;
 
     const double process_end = process + 3.0 + 5.0 * round;
-    r.bursts.push_back(pbm_burst(++number, process, process_end, dem_clock, n_compartments));
+    r.bursts.push_back(pbm_burst(number, process, process_end, dem_clock, n_compartments));
     add_pbm_rows(r.pbm, number, process + (round == 0 ? 0.0 : 0.2), process_end, n_compartments);
     add_sizes(r.sizes, fmt::format("after burst {}", number), process_end, n_compartments);
     r.timeline.push_back({fmt::format("{:04}-pbm", number), "pbm", 1, {0}, wall, wall + r.bursts.back().wall});

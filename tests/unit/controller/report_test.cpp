@@ -53,7 +53,7 @@ std::vector<Figure> all_figures(const CampaignResults& results) {
   return all;
 }
 
-const Figure& with_id(const std::vector<Figure>& figures, const std::string& id) {
+Figure with_id(const std::vector<Figure>& figures, const std::string& id) {
   for (const auto& figure : figures)
     if (figure.plot.id == id) return figure;
   throw std::runtime_error("no figure " + id);
@@ -233,6 +233,23 @@ TEST(Figures, MergeThousandsOfShortTasksIntoOneBox) {
   const auto figures = core_figures(results);
 
   EXPECT_EQ(data_of(with_id(figures, "gantt").plot.script, "estimation").size(), 4u);
+}
+
+TEST(Figures, DrawSpeedsOfBurstsWithOtherClassesOnOneAxis) {
+  auto results = test::example_results();
+  results.rates.resize(2);
+  auto& first = results.rates[0].collision_speed;
+  first = results.rates[1].collision_speed;
+  for (auto& edge : first.edge) edge *= 2.0;  // the same counts at twice the speed
+
+  const auto rows = data_of(with_id(rate_figures(results), "collision-speed").plot.script);
+
+  double mean_first = 0.0, mean_second = 0.0, area_first = 0.0, area_second = 0.0;
+  for (const auto& row : rows) {  // the classes are equally wide in ln U
+    if (!std::isnan(row[1])) mean_first += row[1] * std::log(row[0]), area_first += row[1];
+    if (!std::isnan(row[2])) mean_second += row[2] * std::log(row[0]), area_second += row[2];
+  }
+  EXPECT_NEAR(mean_first / area_first - mean_second / area_second, std::log(2.0), 0.01);
 }
 
 TEST(Figures, KeepPairsThatNeverCollidedOutOfTheMap) {
