@@ -1,8 +1,10 @@
-// The pairs of particles that touch now, or are about to: one pass over LIGGGHTS' neighbour list.
+// The pairs of particles in LIGGGHTS' neighbour list: which touch now, and which began to.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <lammps.h>
 #include <atom.h>
@@ -12,43 +14,45 @@
 
 namespace granary::dem {
 
-/// Two particles whose surfaces are nearer than asked. i is of this rank, j may be a ghost.
-struct NearPair {
-  int i, j;
-  double gap;            ///< between the surfaces; negative while they overlap [m]
-  double distance;       ///< between the centres [m]
-  double approach;       ///< normal relative speed, positive while they come closer [m/s]
-
-  double overlap(const double* radius) const { return -gap / std::min(radius[i], radius[j]); }
-};
-
-/// Calls found(NearPair) for each pair nearer than `reach` [m]. With newton off a pair across a rank boundary is found
-/// by both ranks, any other once.
+/// Calls found(i, j, slot, distance^2, (sum of radii)^2) for every pair of the list; i is of this rank, j may be a ghost.
+/// With newton off a pair across a rank boundary is found by both ranks, any other once. Slots number the pairs, the same
+/// way until the list is made anew.
 template <class Found>
-void for_each_near_pair(LAMMPS_NS::LAMMPS& lammps, double reach, Found&& found) {
+void for_each_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
   const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
   double** const x = lammps.atom->x;
-  double** const v = lammps.atom->v;
   const double* const radius = lammps.atom->radius;
 
+  std::size_t slot = 0;
   for (int n = 0; n < list.inum; ++n) {
     const int i = list.ilist[n];
-    const double* const xi = x[i];
-    const double ri = radius[i] + reach;
+    const double xi = x[i][0], yi = x[i][1], zi = x[i][2], ri = radius[i];
     const int* const neighbours = list.firstneigh[i];
     const int n_neighbours = list.numneigh[i];
-    for (int k = 0; k < n_neighbours; ++k) {
+    for (int k = 0; k < n_neighbours; ++k, ++slot) {
       const int j = neighbours[k] & NEIGHMASK;
-      const double dx = xi[0] - x[j][0], dy = xi[1] - x[j][1], dz = xi[2] - x[j][2];
-      const double distance2 = dx * dx + dy * dy + dz * dz;
-      const double near = ri + radius[j];
-      if (distance2 >= near * near) continue;
-
-      const double distance = std::sqrt(distance2);
-      const double closing = dx * (v[j][0] - v[i][0]) + dy * (v[j][1] - v[i][1]) + dz * (v[j][2] - v[i][2]);
-      found(NearPair{i, j, distance - radius[i] - radius[j], distance, distance > 0.0 ? closing / distance : 0.0});
+      const double dx = xi - x[j][0], dy = yi - x[j][1], dz = zi - x[j][2], touching = ri + radius[j];
+      found(i, j, slot, dx * dx + dy * dy + dz * dz, touching * touching);
     }
   }
+}
+
+inline std::size_t count_pairs(LAMMPS_NS::LAMMPS& lammps) {
+  const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
+  std::size_t n_pairs = 0;
+  for (int n = 0; n < list.inum; ++n) n_pairs += static_cast<std::size_t>(list.numneigh[list.ilist[n]]);
+  return n_pairs;
+}
+
+/// The largest overlap of two particles, over the smaller one's radius; 0 if none touch.
+inline double largest_pair_overlap(LAMMPS_NS::LAMMPS& lammps) {
+  const double* const radius = lammps.atom->radius;
+  double largest = 0.0;
+  for_each_pair(lammps, [&](int i, int j, std::size_t, double distance2, double touching2) {
+    if (distance2 < touching2)
+      largest = std::max(largest, (radius[i] + radius[j] - std::sqrt(distance2)) / std::min(radius[i], radius[j]));
+  });
+  return largest;
 }
 
 }  // namespace granary::dem

@@ -103,8 +103,7 @@ Vitals FixGuard::measure(bool with_contacts, bool& stop_asked) {
 }
 
 double FixGuard::largest_overlap_here() {
-  double largest = 0.0;
-  for_each_near_pair(*lmp, 0.0, [&](const NearPair& pair) { largest = std::max(largest, pair.overlap(atom->radius)); });
+  double largest = largest_pair_overlap(*lmp);
   for (const auto& wall : find_all_walls(*lmp))
     wall->touches([&](const WallTouch& touch) { largest = std::max(largest, touch.overlap); });
   for (int i = 0; i < modify->nfix; ++i)

@@ -19,11 +19,14 @@
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
+#include "dem_templates/plugin/tally/touch_speed.hpp"
 
 namespace granary::dem {
 namespace {
 
 using Range = FixArguments::Range;
+
+constexpr long kLooksPerSurvey = 4;
 
 double square(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
@@ -59,6 +62,7 @@ FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
     layout_.bodies.push_back(body[0]);
     bodies_.push_back({body[0], body[1], body[2], nullptr});
   }
+  if (bodies_.size() > kMostBodies) arguments.problem("counts impacts on at most " + std::to_string(kMostBodies) + " bodies.");
   if (igroup != 0) arguments.problem("counts all particles: its group must be 'all'.");
   end_if_failed(world, arguments.status());
 
@@ -92,8 +96,11 @@ void FixTally::init() {
 
 // What touches when a run starts has begun before it.
 void FixTally::setup(int) {
+  flags_in_book_ = true;
   look(Purpose::remember);
+  survey(Purpose::remember);
   last_look_ = static_cast<long>(update->ntimestep);
+  looks_ = 0;
   window_start_ = last_look_;
   window_start_time_ = dem_time(*lmp);
   balance_ = count_particles(*lmp);
@@ -106,95 +113,140 @@ void FixTally::post_force(int) {
   if (step % every_ != 0) return;
   look(Purpose::count);
   last_look_ = step;
-  if (step - window_start_ >= window_steps_) close_window();
+  const bool window_ends = step - window_start_ >= window_steps_;
+  if (++looks_ % kLooksPerSurvey == 0 || window_ends) survey(Purpose::count);
+  if (window_ends) close_window();
 }
 
 // A run may end between two looks, in the middle of a window.
 void FixTally::post_run() {
   const auto step = static_cast<long>(update->ntimestep);
-  if (step > last_look_) {
-    look(Purpose::count);
-    last_look_ = step;
-  }
-  if (step > window_start_) close_window();
-}
-
-double FixTally::reach() const {
-  double fastest2 = 0.0;
-  for (int i = 0; i < atom->nlocal + atom->nghost; ++i) fastest2 = std::max(fastest2, square(atom->v[i]));
-  return 2.0 * std::sqrt(fastest2) * static_cast<double>(every_) * update->dt;
+  if (step == window_start_) return;
+  if (step > last_look_) look(Purpose::count);
+  last_look_ = step;
+  survey(Purpose::count);
+  close_window();
 }
 
 void FixTally::look(Purpose purpose) {
-  book_.begin_look();
+  if (flags_in_book_) book_to_flags();
   look_at_pairs(purpose);
   look_at_walls(purpose);
-  look_at_particles(purpose);
-  if (purpose == Purpose::count) window_->look_done();
+  for (int i = 0; i < atom->nlocal; ++i) {
+    ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
+    last.known = true;
+    std::copy_n(atom->v[i], 3, last.velocity.begin());
+    last.bodies = bodies_touched_[static_cast<std::size_t>(i)];
+  }
+  ghost_velocity_.resize(static_cast<std::size_t>(atom->nghost));
+  for (int g = 0; g < atom->nghost; ++g) std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
 }
 
-// A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there only.
 void FixTally::look_at_pairs(Purpose purpose) {
-  const double time_to_next_look = static_cast<double>(every_) * update->dt;
-  for_each_near_pair(*lmp, reach(), [&](const NearPair& pair) {
-    const bool touching = pair.gap < 0.0;
-    if (!touching && pair.gap > 1.5 * pair.approach * time_to_next_look) return;
-    if (touching) largest_overlap_ = std::max(largest_overlap_, pair.overlap(atom->radius));
-    if (touching && purpose == Purpose::count) window_->overlap(pair.overlap(atom->radius));
-
-    const bool i_owns = atom->tag[pair.i] < atom->tag[pair.j];
-    const int owner = i_owns ? pair.i : pair.j, other = i_owns ? pair.j : pair.i;
-    if (owner >= atom->nlocal) return;
-    if (!touching) {
-      book_.approaches(static_cast<std::size_t>(owner), atom->tag[other], pair.approach);
-      return;
-    }
-    const auto touch = book_.touches(static_cast<std::size_t>(owner), atom->tag[other], std::abs(pair.approach));
-    if (touch.began && purpose == Purpose::count) {
-      const double midpoint = 0.5 * (atom->x[pair.i][layout_.axis] + atom->x[pair.j][layout_.axis]);
-      window_->collision(2.0 * atom->radius[owner], 2.0 * atom->radius[other], midpoint, touch.speed);
-    }
+  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double distance2, double touching2) {
+    const char touches = distance2 < touching2;
+    if (touches == touching_[slot]) return;
+    touching_[slot] = touches;
+    if (touches && purpose == Purpose::count && counts_here(i, j)) count_collision(i, j);
   });
 }
 
-// The speed is that of the last look, when the wall had not pushed yet; a particle that is new here has only the present one.
-void FixTally::look_at_walls(Purpose purpose) {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    bodies_[b].wall->touches([&](const WallTouch& at) {
-      const auto particle = static_cast<std::size_t>(at.particle);
-      largest_overlap_ = std::max(largest_overlap_, at.overlap);
-      if (purpose == Purpose::count) window_->overlap(at.overlap);
-      if (!book_.touches(particle, body_partner(b), 0.0).began || purpose == Purpose::remember) return;
+void FixTally::count_collision(int i, int j) {
+  // Before the contact pushed: at the last look. A ghost that is new here has only its present velocity.
+  const auto before = [this](int k) -> const double* {
+    if (k < atom->nlocal) {
+      const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(k));
+      return last.known ? last.velocity.data() : nullptr;
+    }
+    return ghost_velocity_.empty() ? nullptr : ghost_velocity_[static_cast<std::size_t>(k - atom->nlocal)].data();
+  };
+  const double *vi = before(i), *vj = before(j);
+  if (!vi || !vj) vi = atom->v[i], vj = atom->v[j];
+  const double *xi = atom->x[i], *xj = atom->x[j];
+  const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, v[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
+  const double ri = atom->radius[i], rj = atom->radius[j];
+  window_->collision(2.0 * ri, 2.0 * rj, 0.5 * (xi[layout_.axis] + xj[layout_.axis]), touch_speed(d, v, ri + rj));
+}
 
-      const auto approach = [&at](const double* v) {
-        double speed = 0.0;
-        for (std::size_t d = 0; d < 3; ++d) speed += (at.velocity[d] - v[d]) * at.normal[d];
-        return speed;
-      };
-      const ContactBook::Memory& before = book_.memory(particle);
-      double speed = before.known ? approach(before.velocity.data()) : -1.0;
-      if (speed <= 0.0) speed = std::abs(approach(atom->v[at.particle]));
-      window_->impact(b, 2.0 * atom->radius[at.particle], atom->x[at.particle][layout_.axis], speed);
+void FixTally::look_at_walls(Purpose purpose) {
+  bodies_touched_.assign(static_cast<std::size_t>(atom->nlocal), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].wall->touches([&](const WallTouch& touch) {
+      const auto particle = static_cast<std::size_t>(touch.particle);
+      const std::uint64_t bit = std::uint64_t{1} << b;
+      bodies_touched_[particle] |= bit;
+      largest_overlap_ = std::max(largest_overlap_, touch.overlap);
+      if (purpose == Purpose::remember) return;
+      window_->overlap(touch.overlap);
+      if (!(book_.memory(particle).bodies & bit)) count_impact(b, touch);
     });
   }
 }
 
-void FixTally::look_at_particles(Purpose purpose) {
+// The speed is that of the last look, when the wall had not pushed yet; a particle that is new here has only the present one.
+void FixTally::count_impact(std::size_t body, const WallTouch& touch) {
+  const auto approach = [&touch](const double* v) {
+    double speed = 0.0;
+    for (std::size_t d = 0; d < 3; ++d) speed += (touch.velocity[d] - v[d]) * touch.normal[d];
+    return speed;
+  };
+  const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(touch.particle));
+  double speed = last.known ? approach(last.velocity.data()) : -1.0;
+  if (speed <= 0.0) speed = std::abs(approach(atom->v[touch.particle]));
+  window_->impact(body, 2.0 * atom->radius[touch.particle], atom->x[touch.particle][layout_.axis], speed);
+}
+
+void FixTally::survey(Purpose purpose) {
+  const double overlap = largest_pair_overlap(*lmp);
+  largest_overlap_ = std::max(largest_overlap_, overlap);
   for (int i = 0; i < atom->nlocal; ++i) {
     const double* v = atom->v[i];
     const double axial = atom->x[i][layout_.axis];
     ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
     if (purpose == Purpose::count) {
-      if (last.known) window_->moved(last.axial, axial);
+      if (!std::isnan(last.axial)) window_->moved(last.axial, axial);
       window_->particle(2.0 * atom->radius[i], axial, v[layout_.axis], square(v), atom->rmass[i]);
     }
-    last = {true, {v[0], v[1], v[2]}, axial};
+    last.axial = axial;
   }
+  if (purpose == Purpose::remember) return;
+  window_->overlap(overlap);
+  window_->survey_done();
+}
+
+// A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there only.
+bool FixTally::counts_here(int i, int j) const { return (atom->tag[i] < atom->tag[j] ? i : j) < atom->nlocal; }
+
+bool FixTally::touched_before(int i, int j) const {
+  const int owner = atom->tag[i] < atom->tag[j] ? i : j, other = owner == i ? j : i;
+  return book_.had_partner(static_cast<std::size_t>(owner), atom->tag[other]);
+}
+
+// The last moment at which the old list's numbers are those of the particles.
+void FixTally::flags_to_book() {
+  if (flags_in_book_) return;
+  flags_in_book_ = true;
+  book_.forget_partners();
+  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double, double) {
+    if (!touching_[slot] || !counts_here(i, j)) return;
+    const int owner = atom->tag[i] < atom->tag[j] ? i : j, other = owner == i ? j : i;
+    book_.note_partner(static_cast<std::size_t>(owner), atom->tag[other]);
+  });
+}
+
+void FixTally::book_to_flags() {
+  flags_in_book_ = false;
+  ghost_velocity_.clear();
+  touching_.assign(count_pairs(*lmp), 0);
+  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double distance2, double touching2) {
+    if (distance2 < touching2 && counts_here(i, j)) touching_[slot] = touched_before(i, j);
+  });
 }
 
 void FixTally::leaves(int particle) {
+  flags_to_book();
   const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(particle));
-  if (last.known) window_->moved(last.axial, atom->x[particle][layout_.axis]);
+  if (!std::isnan(last.axial)) window_->moved(last.axial, atom->x[particle][layout_.axis]);
 }
 
 double FixTally::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
@@ -216,6 +268,7 @@ void FixTally::close_window() {
   window_start_ = static_cast<long>(update->ntimestep);
   window_start_time_ = time;
   window_->clear();
+  looks_ = 0;
 }
 
 Status FixTally::open_file() {
@@ -231,6 +284,7 @@ Status FixTally::open_file() {
 Status FixTally::write_line(const json::Value& line) { return writer_ ? writer_->append(line) : Status{}; }
 
 void FixTally::pre_exchange() {
+  flags_to_book();
   std::size_t largest = 0;
   for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, book_.packed_size(static_cast<std::size_t>(i)));
   comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(largest));

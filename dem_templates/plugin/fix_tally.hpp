@@ -2,6 +2,8 @@
 // plain code in tally/; here it meets LIGGGHTS' particles, neighbour lists and ranks. Syntax: docs/dem_styles.md.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,12 +49,22 @@ class FixTally : public LAMMPS_NS::Fix {
   };
   enum class Purpose { remember, count };
 
+  /// Which contacts exist, and which of them began since the last look.
   void look(Purpose purpose);
   void look_at_pairs(Purpose purpose);
   void look_at_walls(Purpose purpose);
-  void look_at_particles(Purpose purpose);
+  void count_collision(int i, int j);
+  void count_impact(std::size_t body, const WallTouch& touch);
+  /// What there is: particles, speeds, overlaps. Costs more and changes more slowly: at every fourth look.
+  void survey(Purpose purpose);
+
+  // The flags of the pairs belong to one neighbour list; what they say travels with the particles to the next.
+  void flags_to_book();
+  void book_to_flags();
+  bool counts_here(int i, int j) const;
+  bool touched_before(int i, int j) const;
+
   void close_window();
-  double reach() const;  ///< gap that a pair may close before the next look [m]
   Status open_file();
   Status write_line(const json::Value& line);
 
@@ -64,8 +76,13 @@ class FixTally : public LAMMPS_NS::Fix {
 
   std::optional<Window> window_;
   ContactBook book_;
+  std::vector<char> touching_;               ///< of each pair of the neighbour list, at the last look
+  bool flags_in_book_ = true;                ///< a new neighbour list is being made
+  std::vector<std::array<double, 3>> ghost_velocity_;  ///< at the last look; empty after a new neighbour list
+  std::vector<std::uint64_t> bodies_touched_;          ///< scratch: of each particle, at this look
   std::optional<json::LineWriter> writer_;   ///< on rank 0, from the first run on
   long window_start_ = 0, last_look_ = 0;    ///< steps
+  long looks_ = 0;                           ///< since the start of the window
   double window_start_time_ = 0.0;           ///< DEM clock [s]
   ParticleBalance balance_;                  ///< at the start of the window
   double largest_overlap_ = 0.0;

@@ -138,9 +138,9 @@ Value Window::speed_summary(SpeedSums where) const {
 
 Value Window::line(const WindowEnd& end) const {
   const std::size_t K = layout_.n_classes(), X = layout_.n_compartments();
-  const double per_look = looks_ > 0 ? 1.0 / static_cast<double>(looks_) : 0.0;
+  const double per_survey = surveys_ > 0 ? 1.0 / static_cast<double>(surveys_) : 0.0;
 
-  std::vector<double> class_count(K, 0.0), compartment_count(X, 0.0);  // summed over the looks
+  std::vector<double> class_count(K, 0.0), compartment_count(X, 0.0);  // summed over the surveys
   Array particles, collisions;
   for (std::size_t x = 0; x < X; ++x) {
     const auto row = part(particles_ + x * K, K);
@@ -148,7 +148,7 @@ Value Window::line(const WindowEnd& end) const {
       class_count[p] += row[p];
       compartment_count[x] += row[p];
     }
-    particles.push_back(scaled(row, per_look));
+    particles.push_back(scaled(row, per_survey));
   }
   for (std::size_t p = 0; p < K; ++p) collisions.push_back(counts(part(collisions_ + p * K, K)));
 
@@ -166,7 +166,7 @@ Value Window::line(const WindowEnd& end) const {
                         {"step", static_cast<std::int64_t>(end.step)},
                         {"window_s", end.length},
                         {"particles", std::move(particles)},
-                        {"solid_volume_m3", scaled(part(solid_volume_, X), per_look)},
+                        {"solid_volume_m3", scaled(part(solid_volume_, X), per_survey)},
                         {"collisions", std::move(collisions)},
                         {"collisions_by_compartment", counts(part(collisions_by_compartment_, X))},
                         {"impacts", std::move(impacts)},
@@ -177,7 +177,7 @@ Value Window::line(const WindowEnd& end) const {
                         {"speed_rms_m_s", speed_rms},
                         {"axial_velocity_m_s", axial_velocity},
                         {"axial_flux", counts(part(axial_flux_, X + 1))},
-                        {"kinetic_energy_J", sums_[kinetic_energy_] * per_look},
+                        {"kinetic_energy_J", sums_[kinetic_energy_] * per_survey},
                         {"largest_overlap", maxima_[0]},
                         {"inserted", static_cast<std::int64_t>(end.inserted)},
                         {"left", static_cast<std::int64_t>(end.left)},
@@ -187,7 +187,7 @@ Value Window::line(const WindowEnd& end) const {
 void Window::clear() {
   std::fill(sums_.begin(), sums_.end(), 0.0);
   std::fill(maxima_.begin(), maxima_.end(), 0.0);
-  looks_ = 0;
+  surveys_ = 0;
 }
 
 }  // namespace granary::dem

@@ -57,14 +57,13 @@ class Window {
   /// A contact between two particles began. Diameters [m], midpoint along the axis [m], normal speed [m/s].
   void collision(double diameter_a, double diameter_b, double axial, double speed);
   void impact(std::size_t body, double diameter, double axial, double speed);
-  /// A particle as it is at a look; speed_squared [m^2/s^2], axial velocity [m/s], mass [kg].
+  /// A particle as it is at a survey; speed_squared [m^2/s^2], axial velocity [m/s], mass [kg].
   void particle(double diameter, double axial, double axial_velocity, double speed_squared, double mass);
-  /// A particle went from one place along the axis to another since the last look.
+  /// A particle went from one place along the axis to another since the last survey.
   void moved(double axial_before, double axial_now);
   void overlap(double fraction) { if (fraction > maxima_[0]) maxima_[0] = fraction; }
-  void look_done() { ++looks_; }
+  void survey_done() { ++surveys_; }
 
-  long looks() const { return looks_; }
   double largest_overlap() const { return maxima_[0]; }
   std::span<double> sums() { return sums_; }
   std::span<double> maxima() { return maxima_; }
@@ -86,7 +85,7 @@ class Window {
   SpeedSums collision_speed_, impact_speed_;
   std::vector<double> sums_;
   std::vector<double> maxima_;
-  long looks_ = 0;
+  long surveys_ = 0;
 };
 
 }  // namespace granary::dem

@@ -1,99 +1,67 @@
-// A contact counts when it begins, once; wherever its particle goes.
+// What is remembered of a particle goes with it, wherever it goes.
 #include "dem_templates/plugin/tally/contact_book.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace granary::dem {
 namespace {
 
-ContactBook book_of(std::size_t n) {
+ContactBook book_with_one() {
   ContactBook book;
-  book.resize(n);
+  book.resize(3);
+  book.note_partner(2, 7);
+  book.note_partner(2, 2000000001);
+  book.memory(2) = {true, {1.0, 2.0, 3.0}, (std::uint64_t{1} << (kMostBodies - 1)) | 5, 0.5};
   return book;
 }
 
-TEST(ContactBook, CountsAContactOnceWhileItLasts) {
-  ContactBook book = book_of(1);
-  int began = 0;
-  for (int look = 0; look < 10; ++look) {
-    book.begin_look();
-    began += book.touches(0, 7, 1.0).began;
-  }
-  EXPECT_EQ(began, 1);
+void expect_same(ContactBook& book, std::size_t particle) {
+  EXPECT_TRUE(book.had_partner(particle, 7));
+  EXPECT_TRUE(book.had_partner(particle, 2000000001));
+  EXPECT_FALSE(book.had_partner(particle, 8));
+  EXPECT_TRUE(book.memory(particle).known);
+  EXPECT_EQ(book.memory(particle).velocity[2], 3.0);
+  EXPECT_EQ(book.memory(particle).bodies, (std::uint64_t{1} << (kMostBodies - 1)) | 5);
+  EXPECT_EQ(book.memory(particle).axial, 0.5);
 }
 
-TEST(ContactBook, CountsAgainAfterALookWithoutTouch) {
-  ContactBook book = book_of(1);
-  book.begin_look();
-  EXPECT_TRUE(book.touches(0, 7, 1.0).began);
-  book.begin_look();
-  book.begin_look();
-  EXPECT_TRUE(book.touches(0, 7, 1.0).began);
+TEST(ContactBook, FollowsAParticleThatIsRenumbered) {
+  ContactBook book = book_with_one();
+  book.copy(2, 0);
+  book.clear(2);
+  expect_same(book, 0);
 }
 
-TEST(ContactBook, TakesSeveralTouchesInOneLookAsOne) {
-  ContactBook book = book_of(1);
-  book.begin_look();
-  EXPECT_TRUE(book.touches(0, body_partner(2), 1.0).began);
-  EXPECT_FALSE(book.touches(0, body_partner(2), 1.0).began);
-  EXPECT_TRUE(book.touches(0, body_partner(1), 1.0).began);
+TEST(ContactBook, FollowsAParticleToAnotherRank) {
+  const ContactBook here = book_with_one();
+  std::vector<double> buffer(here.packed_size(2), -1.0);
+  EXPECT_EQ(here.pack(2, buffer.data()), buffer.size());
+
+  ContactBook there;
+  there.resize(2);
+  there.note_partner(1, 99);
+  EXPECT_EQ(there.unpack(1, buffer.data()), buffer.size());
+  expect_same(there, 1);
+  EXPECT_FALSE(there.had_partner(1, 99));
 }
 
-TEST(ContactBook, GivesTheSpeedOfTheApproachSeenOneLookBefore) {
-  ContactBook book = book_of(1);
-  book.begin_look();
-  book.approaches(0, 7, 3.0);
-  book.begin_look();
-  const auto touch = book.touches(0, 7, 2.5);
-  EXPECT_TRUE(touch.began);
-  EXPECT_DOUBLE_EQ(touch.speed, 3.0);
-
-  book.approaches(0, 8, 4.0);
-  book.begin_look();
-  book.begin_look();
-  EXPECT_DOUBLE_EQ(book.touches(0, 8, 2.5).speed, 2.5);  // two looks ago is too long ago
+TEST(ContactBook, KnowsNothingOfAParticleThatIsNew) {
+  ContactBook book = book_with_one();
+  book.clear(2);
+  EXPECT_FALSE(book.memory(2).known);
+  EXPECT_FALSE(book.had_partner(2, 7));
+  EXPECT_EQ(book.memory(2).bodies, 0u);
+  EXPECT_TRUE(std::isnan(book.memory(2).axial));
 }
 
-TEST(ContactBook, GoesOnAfterAParticleIsRenumberedAndSentToAnotherRank) {
-  ContactBook here = book_of(3), there = book_of(1);
-  here.begin_look();
-  there.begin_look();
-  here.touches(2, 7, 1.0);
-  here.approaches(2, 8, 2.0);
-  here.memory(2) = {true, {1.0, 2.0, 3.0}, 0.5};
-
-  here.copy(2, 0);
-  std::vector<double> buffer(here.packed_size(0));
-  EXPECT_EQ(here.pack(0, buffer.data()), buffer.size());
-  EXPECT_EQ(there.unpack(0, buffer.data()), buffer.size());
-
-  there.begin_look();
-  EXPECT_FALSE(there.touches(0, 7, 1.0).began);
-  EXPECT_DOUBLE_EQ(there.touches(0, 8, 9.0).speed, 2.0);
-  EXPECT_TRUE(there.memory(0).known);
-  EXPECT_DOUBLE_EQ(there.memory(0).velocity[2], 3.0);
-  EXPECT_DOUBLE_EQ(there.memory(0).axial, 0.5);
-}
-
-TEST(ContactBook, KnowsNothingOfAClearedParticle) {
-  ContactBook book = book_of(1);
-  book.begin_look();
-  book.touches(0, 7, 1.0);
-  book.memory(0).known = true;
-  book.clear(0);
-  EXPECT_FALSE(book.memory(0).known);
-  EXPECT_TRUE(book.touches(0, 7, 1.0).began);
-}
-
-TEST(ContactBook, DoesNotGrowWithEveryPartnerEverMet) {
-  ContactBook book = book_of(1);
-  for (int look = 0; look < 1000; ++look) {
-    book.begin_look();
-    book.touches(0, look + 1, 1.0);
-  }
-  EXPECT_LE(book.packed_size(0), 6u + 2u * 4u);
+TEST(ContactBook, KeepsItsMemoriesWhenItForgetsPartners) {
+  ContactBook book = book_with_one();
+  book.forget_partners();
+  EXPECT_FALSE(book.had_partner(2, 7));
+  EXPECT_TRUE(book.memory(2).known);
 }
 
 }  // namespace

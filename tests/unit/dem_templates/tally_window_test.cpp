@@ -64,13 +64,13 @@ TEST(Window, SummarisesSpeedsByMeanLogarithmAndHistogram) {
   EXPECT_EQ(line["impacts"].numbers("shell"), (std::vector<double>{0, 0}));
 }
 
-TEST(Window, AveragesParticlesOverItsLooks) {
+TEST(Window, AveragesParticlesOverItsSurveys) {
   const TallyLayout bins = layout();
   Window window(bins);
-  for (int look = 0; look < 4; ++look) {
+  for (int survey = 0; survey < 4; ++survey) {
     window.particle(0.0015, 0.05, 0.3, 0.25, 1e-6);
-    if (look < 2) window.particle(0.0025, 0.15, -0.1, 1.0, 2e-6);
-    window.look_done();
+    if (survey < 2) window.particle(0.0025, 0.15, -0.1, 1.0, 2e-6);
+    window.survey_done();
   }
 
   const auto line = window.line({});
