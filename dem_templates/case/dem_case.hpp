@@ -47,7 +47,7 @@ struct Machine {
   double impeller_speed = 209.44;     ///< [rad/s]
   double chopper_speed = 0.0;         ///< [rad/s]; batch_bowl only
   std::optional<std::filesystem::path> shell_stl, impeller_stl;  ///< the user's own meshes instead of ours [m]
-  int refinement = 1;                 ///< n: each triangle of our meshes becomes n^2
+  int refinement = 1;                 ///< of our meshes: n times the sides of round bodies, n^2 the triangles of a blade
 };
 
 /// Contact law of LIGGGHTS' `pair gran model hertz tangential history`; particle-particle and particle-wall.

@@ -8,7 +8,7 @@
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 32;            // sides of the bowl; flats touch the nominal circles
+constexpr int kAround = 32;            // sides of the bowl at refinement 1; flats touch the nominal circles
 constexpr int kShaftAround = 12;
 constexpr double kWall = 0.010;        // of the bowl [m]: thick, so that its outside is on no neighbour list
 constexpr double kClearance = 0.005;   // of the chopper from blades and lid: nothing is crushed between them [m]
@@ -51,16 +51,16 @@ BowlShafts bowl_shafts(const BatchBowl& b) {
           centre - 0.5 * chopper_width(b) - 0.001};
 }
 
-Mesh bowl_impeller(const BatchBowl& b) {
+Mesh bowl_impeller(const BatchBowl& b, int refinement) {
   const auto [hub, top, chopper, r, from] = bowl_shafts(b);
-  Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}}, kShaftAround);
-  for (const Blade& form : bowl_blades(b)) append(mesh, blade(form));
+  Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}}, kShaftAround * refinement);
+  for (const Blade& form : bowl_blades(b)) append(mesh, refine(blade(form), refinement));
   return mesh;
 }
 
 Rotation bowl_chopper_rotation(const BatchBowl& b, double speed) { return {bowl_shafts(b).chopper, Axis::x, speed}; }
 
-Mesh bowl_chopper(const BatchBowl& b) {
+Mesh bowl_chopper(const BatchBowl& b, int refinement) {
   const BowlShafts shafts = bowl_shafts(b);
   Blade form;
   form.axis = Axis::x;
@@ -71,21 +71,22 @@ Mesh bowl_chopper(const BatchBowl& b) {
   form.tip_radius = 0.5 * b.chopper_diameter;
   const double from = shafts.chopper_from, r = shafts.chopper_radius, to = 0.5 * b.bottom_diameter + kIntoWall;
   Mesh mesh = body_of_revolution(
-      Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround);
+      Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround * refinement);
   for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, shafts.chopper.y, shafts.chopper.z};
   for (int i = 0; i < b.chopper_blades; ++i) {
     form.angle = 2.0 * kPi * i / b.chopper_blades;
-    append(mesh, blade(form));
+    append(mesh, refine(blade(form), refinement));
   }
   return mesh;
 }
 
-Mesh bowl_shell(const BatchBowl& b) {
-  const double low = touching_radius(0.5 * b.bottom_diameter, kAround);
-  const double high = touching_radius(0.5 * b.cover_diameter, kAround);
+Mesh bowl_shell(const BatchBowl& b, int refinement) {
+  const int sides = kAround * refinement;
+  const double low = touching_radius(0.5 * b.bottom_diameter, sides);
+  const double high = touching_radius(0.5 * b.cover_diameter, sides);
   Vessel form;
   form.axis = Axis::z;
-  form.n_around = kAround;
+  form.n_around = sides;
   form.inner = {{0.0, 0.0}, {0.0, low}, {b.cylinder_height, low}, {b.cover_height, high}, {b.lid_height, high}, {b.lid_height, 0.0}};
   form.outer = {{-kWall, 0.0},
                 {-kWall, low + kWall},

@@ -9,7 +9,7 @@
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 24;           // sides of the casing; flats touch the nominal cone
+constexpr int kAround = 24;           // sides of the casing at refinement 1; flats touch the nominal cone
 constexpr int kShaftAround = 16;
 constexpr double kWall = 0.010;       // of the casing [m]: thick, so that its outside is on no neighbour list
 constexpr double kBladeThickness = 0.002;
@@ -25,8 +25,8 @@ std::vector<double> stations(const HorizontalMixer& m) {
 constexpr int kChuteCell = 2, kOutletCell = 6;  // counted along the profile; cell 0 is the end plate
 
 // The sides about the top (side 0 begins at +y), 60 degrees, or about the bottom, 30 degrees.
-bool is_top(int around) { return around < 2 || around >= kAround - 2; }
-bool is_bottom(int around) { return around >= kAround / 2 - 1 && around < kAround / 2 + 1; }
+bool is_top(int around, int sides) { return around < sides / 12 || around >= sides - sides / 12; }
+bool is_bottom(int around, int sides) { return std::abs(2 * around + 1 - sides) < sides / 12; }
 
 }  // namespace
 
@@ -71,32 +71,33 @@ std::vector<Blade> mixer_blades(const HorizontalMixer& m) {
   return blades;
 }
 
-Mesh mixer_impeller(const HorizontalMixer& m) {
+Mesh mixer_impeller(const HorizontalMixer& m, int refinement) {
   const double r = 0.5 * m.shaft_diameter;
-  Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}}, kShaftAround);
-  for (const Blade& b : mixer_blades(m)) append(mesh, blade(b));
+  Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}}, kShaftAround * refinement);
+  for (const Blade& b : mixer_blades(m)) append(mesh, refine(blade(b), refinement));
   return mesh;
 }
 
-Mesh mixer_shell(const HorizontalMixer& m) {
+Mesh mixer_shell(const HorizontalMixer& m, int refinement) {
+  const int sides = kAround * refinement;
   const MixerPorts ports = mixer_ports(m);
   Vessel form;
   form.axis = Axis::x;
-  form.n_around = kAround;
+  form.n_around = sides;
   const std::vector<double> x = stations(m);
   form.inner.push_back({0.0, 0.0});
   form.outer.push_back({-kWall, 0.0});
   for (std::size_t i = 0; i < x.size(); ++i) {
-    form.inner.push_back({x[i], casing_corner_radius(m, x[i])});
+    form.inner.push_back({x[i], touching_radius(casing_radius(m, x[i]), sides)});
     double outside = x[i];  // the wall's outside reaches past the ends and around the chute
     if (i == 0 || i == 1) outside -= kWall;
     if (i == 2 || i + 1 == x.size()) outside += kWall;
-    form.outer.push_back({outside, touching_radius(casing_radius(m, x[i]) + kWall, kAround)});
+    form.outer.push_back({outside, touching_radius(casing_radius(m, x[i]) + kWall, sides)});
   }
   form.inner.push_back({m.length, 0.0});
   form.outer.push_back({m.length + kWall, 0.0});
-  form.open = [](int along, int around) { return along == kOutletCell && is_bottom(around); };
-  form.raised = [](int along, int around) { return along == kChuteCell && is_top(around); };
+  form.open = [sides](int along, int around) { return along == kOutletCell && is_bottom(around, sides); };
+  form.raised = [sides](int along, int around) { return along == kChuteCell && is_top(around, sides); };
   form.lift_inner = [top = ports.chute_top](Vec3 p) { return Vec3{p.x, top, p.z}; };
   form.lift_outer = [top = ports.chute_top + kWall](Vec3 p) { return Vec3{p.x, top, p.z}; };
   return vessel(form);

@@ -17,7 +17,7 @@ MixerPorts mixer_ports(const HorizontalMixer& mixer);
 
 /// Radius of the conical casing at x [m].
 double casing_radius(const HorizontalMixer& mixer, double x);
-/// The same at the corners of our mesh, whose flat sides touch the cone [m].
+/// The same at the corners of our coarsest mesh, whose flat sides touch the cone [m].
 double casing_corner_radius(const HorizontalMixer& mixer, double x);
 
 }  // namespace granary::dem

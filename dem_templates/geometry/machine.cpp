@@ -13,9 +13,9 @@ namespace {
 constexpr double kRoomAround = 0.015;  // of the simulation box around the bodies [m]
 
 // Our mesh, or the user's own in its place.
-Result<Mesh> own_or(const std::optional<std::filesystem::path>& file, const Mesh& ours, int refinement) {
+Result<Mesh> own_or(const std::optional<std::filesystem::path>& file, Mesh ours) {
   if (file) return read_stl(*file);
-  return refine(ours, refinement);
+  return ours;
 }
 
 double bowl_radius(const BatchBowl& b, double z) {
@@ -73,16 +73,15 @@ double bowl_space(const BatchBowl& b, double from, double to) {
 
 Result<std::vector<Body>> bodies(const Machine& machine) {
   const bool mixer = machine.type == Machine::Type::cm5;
-  GRANARY_TRY(Mesh shell, own_or(machine.shell_stl, mixer ? mixer_shell(machine.mixer) : bowl_shell(machine.bowl),
-                                 machine.refinement));
+  const int n = machine.refinement;
+  GRANARY_TRY(Mesh shell, own_or(machine.shell_stl, mixer ? mixer_shell(machine.mixer, n) : bowl_shell(machine.bowl, n)));
   GRANARY_TRY(Mesh impeller,
-              own_or(machine.impeller_stl, mixer ? mixer_impeller(machine.mixer) : bowl_impeller(machine.bowl),
-                     machine.refinement));
+              own_or(machine.impeller_stl, mixer ? mixer_impeller(machine.mixer, n) : bowl_impeller(machine.bowl, n)));
   std::vector<Body> all;
   all.push_back({"shell", std::move(shell), std::nullopt});
   all.push_back({"impeller", std::move(impeller), Rotation{{}, axis_of(machine), machine.impeller_speed}});
   if (!mixer)
-    all.push_back({"chopper", refine(bowl_chopper(machine.bowl), machine.refinement),
+    all.push_back({"chopper", bowl_chopper(machine.bowl, n),
                    bowl_chopper_rotation(machine.bowl, machine.chopper_speed)});
   return all;
 }
@@ -108,6 +107,15 @@ double tip_speed(const Machine& machine) {
   if (machine.type == Machine::Type::cm5) return std::abs(machine.impeller_speed) * 0.5 * machine.mixer.impeller_diameter;
   return std::max(std::abs(machine.impeller_speed) * 0.5 * machine.bowl.impeller_diameter,
                   std::abs(machine.chopper_speed) * 0.5 * machine.bowl.chopper_diameter);
+}
+
+double largest_particle(const Machine& machine) {
+  constexpr double kShareOfGap = 0.45;  // two abreast, with some air
+  if (machine.type == Machine::Type::cm5) {
+    const double casing = std::min(machine.mixer.inlet_diameter, machine.mixer.outlet_diameter);
+    return kShareOfGap * 0.5 * (casing - machine.mixer.shaft_diameter);
+  }
+  return kShareOfGap * (0.5 * machine.bowl.cover_diameter - bowl_shafts(machine.bowl).hub_radius);
 }
 
 Axis axis_of(const Machine& machine) { return machine.type == Machine::Type::cm5 ? Axis::x : Axis::z; }

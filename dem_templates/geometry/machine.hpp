@@ -25,16 +25,17 @@ struct Body {
   std::optional<Rotation> rotation;  ///< none: it stands still
 };
 
-/// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n^2 times the triangles.
+/// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n times as many sides of round bodies, each
+/// triangle of a blade in n^2.
 /// Errors: a user's STL that cannot be used (the only case with an error).
 Result<std::vector<Body>> bodies(const Machine& machine);
 
 /// The bodies by themselves, without any user's file.
-Mesh mixer_shell(const HorizontalMixer& mixer);
-Mesh mixer_impeller(const HorizontalMixer& mixer);
-Mesh bowl_shell(const BatchBowl& bowl);
-Mesh bowl_impeller(const BatchBowl& bowl);
-Mesh bowl_chopper(const BatchBowl& bowl);
+Mesh mixer_shell(const HorizontalMixer& mixer, int refinement = 1);
+Mesh mixer_impeller(const HorizontalMixer& mixer, int refinement = 1);
+Mesh bowl_shell(const BatchBowl& bowl, int refinement = 1);
+Mesh bowl_impeller(const BatchBowl& bowl, int refinement = 1);
+Mesh bowl_chopper(const BatchBowl& bowl, int refinement = 1);
 std::vector<Blade> mixer_blades(const HorizontalMixer& mixer);
 std::vector<Blade> bowl_blades(const BatchBowl& bowl);
 Rotation bowl_chopper_rotation(const BatchBowl& bowl, double speed);
@@ -55,6 +56,9 @@ std::vector<double> compartment_volume(const Machine& machine, int n);
 
 /// Speed of the blade tips, the faster of impeller and chopper [m/s].
 double tip_speed(const Machine& machine);
+
+/// Largest particle that still moves freely: 0.45 of the gap between shaft and casing, or between hub and wall of the bowl [m].
+double largest_particle(const Machine& machine);
 
 Axis axis_of(const Machine& machine);
 Vec3 gravity_direction(const Machine& machine);

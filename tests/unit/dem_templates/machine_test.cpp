@@ -67,6 +67,19 @@ TEST(Machine, TheUnrefinedImpellerOfTheMixerHasFewTriangles) {
   EXPECT_LE(mixer_shell({}).triangle.size(), 1000u);
 }
 
+TEST(Machine, RefiningBringsTheCasingNearerToTheCone) {
+  const HorizontalMixer m;
+  const auto furthest = [&](int n) {
+    double r = 0.0;
+    for (Vec3 p : mixer_shell(m, n).vertex)
+      if (p.y < 0.0 && std::abs(p.x - m.length) < 1e-9) r = std::max(r, std::hypot(p.y, p.z));
+    return r;
+  };
+  EXPECT_NEAR(furthest(1), 0.065 / std::cos(kPi / 24), 1e-12);
+  EXPECT_NEAR(furthest(4), 0.065 / std::cos(kPi / 96), 1e-12);
+  EXPECT_NEAR(furthest_from(mixer_impeller(m, 3), {}), 0.057, 1e-12);
+}
+
 TEST(Machine, AMixerHasOneBladePerElement) {
   const HorizontalMixer m;
   const auto blades = mixer_blades(m);
