@@ -18,7 +18,7 @@
 #include "pilot/control/control.hpp"
 #include "pilot/control/run_lock.hpp"
 #include "pilot/launch/local_launcher.hpp"
-#include "pilot/launch/run_program.hpp"
+#include "pilot/launch/command.hpp"
 #include "pilot/loop/real_loop.hpp"
 #include "pilot/task_list.hpp"
 
@@ -77,7 +77,7 @@ Status check_programs(const Campaign& campaign) {
   const char* path = std::getenv("PATH");
   std::string missing;
   for (const std::string& program : wanted)
-    if (const auto found = pilot::find_executable(program, path != nullptr ? path : ""); !found)
+    if (const auto found = pilot::find_executable(program, "", path != nullptr ? path : ""); !found)
       missing += (missing.empty() ? "" : "\n") + found.error().message;
   if (missing.empty()) return {};
   return Error{missing + "\n./dev build installs and builds all that a campaign needs."};
@@ -141,7 +141,7 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
     fmt::print("{}", run::summary_text(results, results_h5, report_html));
   }
   if (campaign_run.exit() == Exit::stopped) fmt::print(stderr, "stopped; go on with: granary resume {}\n", session.dir.string());
-  if (campaign_run.exit() == Exit::task_failed)
+  if (campaign_run.exit() == Exit::task_failed && (json || quiet))
     return Error{fmt::format("{}: {}", session.dir.string(), campaign_run.state().why_ended.message), Exit::task_failed};
   return campaign_run.exit();
 }

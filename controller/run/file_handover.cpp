@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "controller/coupling/exchange_files.hpp"
+#include "dem_templates/geometry/machine.hpp"
 #include "dem_templates/render/deck.hpp"
 
 namespace granary::run {
@@ -83,6 +85,8 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   coupling::PopulationSettings settings;
   settings.budget = campaign_->dem.particles;
   settings.size_classes = campaign_->dem.size_classes;
+  settings.fine_cut = campaign_->dem.fine_cut;
+  settings.largest_diameter = campaign_->dem.largest_diameter.value_or(dem::largest_particle(campaign_->dem_case.machine));
   settings.compartment_edge = campaign_->compartment_edges;
   settings.solid_density = campaign_->pbm_case.materials.solid_density;
   settings.liquid_density = campaign_->pbm_case.materials.liquid_density;
@@ -148,7 +152,7 @@ pilot::TaskSpec FileHandover::monitor_task(const BurstId& burst, int attempt) co
   task.dir = fs::path("bursts") / burst.folder();
   task.stop.grace = 20.0;
   task.command = {(programs_ / "granary-monitor").string(), dem ? "dem" : "pbm", ".",
-                  "--threshold", fmt::format("{}", coupling.threshold)};
+                  "--threshold", fmt::format("{}", coupling.threshold), "--significance", fmt::format("{}", coupling.significance)};
   if (dem) {
     task.command.insert(task.command.end(), {"--grace", fmt::format("{}", coupling.grace), "--steady-window",
                                              fmt::format("{}", coupling.steady_window)});
@@ -175,10 +179,14 @@ std::string FileHandover::last_words(const pilot::TaskEnd& program) {
   constexpr std::size_t kLines = 8;
   const auto text = read_text(program.dir / (program.name + ".out"));
   if (!text) return program.reason;
-  std::size_t at = text->size();
-  for (std::size_t n = 0; n <= kLines && at != std::string::npos && at > 0; ++n) at = text->rfind('\n', at - 1);
-  const std::string tail = at == std::string::npos || at == 0 ? *text : text->substr(at + 1);
-  return program.reason + (tail.empty() ? "" : "\n" + tail);
+  // mpirun says in paragraphs between rules that a rank ended: what the rank itself said is all we want.
+  std::vector<std::string> lines;
+  std::istringstream in(text->substr(0, text->find("\n-----")));
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("-----", 0) != 0 && !line.empty()) lines.push_back(line);
+  std::string said = program.reason;
+  for (std::size_t i = lines.size() > kLines ? lines.size() - kLines : 0; i < lines.size(); ++i) said += "\n" + lines[i];
+  return said;
 }
 
 Result<coupling::MeasuredRates> FileHandover::rates_of(const BurstId& dem_burst) const {
@@ -215,6 +223,7 @@ coupling::Settings coupling_settings(const campaign::Campaign& campaign) {
   to.threshold = from.threshold;
   to.steady_window = from.steady_window;
   to.steady_tolerance = from.steady_tolerance;
+  to.significance = from.significance;
   to.grace = from.grace;
   to.longest_dem_burst = campaign.dem.longest_burst;
   to.longest_pbm_burst = campaign.pbm.longest_burst;

@@ -48,11 +48,12 @@ void Progress::say(const std::string& line) {
 }
 
 void Progress::event(const coupling::Event& event) {
-  if (const auto* ended = std::get_if<coupling::TaskEnded>(&event)) {
+  if (std::holds_alternative<coupling::TaskEnded>(event)) {
     running_.reset();
     loop_.cancel(timer_);
-    if (!ended->message.empty()) say(name_of(ended->burst) + ": " + ended->message);
   }
+  if (const auto* stop = std::get_if<coupling::StopAsked>(&event)) say("stopping: " + stop->message);
+  if (dir_.empty()) return;  // what a dry run exchanges is made up
   if (const auto* spoke = std::get_if<coupling::MonitorSpoke>(&event); spoke && spoke->verdict.outcome != monitor::Outcome::ended)
     say(fmt::format("{}: {}: {}", name_of(spoke->burst), monitor::name(spoke->verdict.outcome), spoke->verdict.message));
   if (const auto* dem = std::get_if<coupling::DemExchanged>(&event))
@@ -62,7 +63,6 @@ void Progress::event(const coupling::Event& event) {
     say(fmt::format("{} gives d50 {:.1f} to {:.1f} um, {:.3e} particles at {:.2f} s", name_of(pbm->burst),
                     1e6 * *std::min_element(pbm->summary.d50.begin(), pbm->summary.d50.end()),
                     1e6 * *std::max_element(pbm->summary.d50.begin(), pbm->summary.d50.end()), sum(pbm->summary.number), pbm->summary.time));
-  if (const auto* stop = std::get_if<coupling::StopAsked>(&event)) say("stopping: " + stop->message);
 }
 
 void Progress::action(const coupling::Action& action) {

@@ -74,15 +74,16 @@ double bowl_space(const BatchBowl& b, double from, double to) {
 Result<std::vector<Body>> bodies(const Machine& machine) {
   const bool mixer = machine.type == Machine::Type::cm5;
   const int n = machine.refinement;
-  GRANARY_TRY(Mesh shell, own_or(machine.shell_stl, mixer ? mixer_shell(machine.mixer, n) : bowl_shell(machine.bowl, n)));
+  GRANARY_TRY(Mesh shell,
+              own_or(machine.shell_stl, mixer ? mixer_shell(machine.mixer, n) : bowl_shell(machine.bowl, n)));
   GRANARY_TRY(Mesh impeller,
               own_or(machine.impeller_stl, mixer ? mixer_impeller(machine.mixer, n) : bowl_impeller(machine.bowl, n)));
   std::vector<Body> all;
   all.push_back({"shell", std::move(shell), std::nullopt});
   all.push_back({"impeller", std::move(impeller), Rotation{{}, axis_of(machine), machine.impeller_speed}});
   if (!mixer)
-    all.push_back({"chopper", bowl_chopper(machine.bowl, n),
-                   bowl_chopper_rotation(machine.bowl, machine.chopper_speed)});
+    all.push_back(
+        {"chopper", bowl_chopper(machine.bowl, n), bowl_chopper_rotation(machine.bowl, machine.chopper_speed)});
   return all;
 }
 
@@ -104,7 +105,8 @@ std::vector<double> compartment_volume(const Machine& machine, int n) {
 }
 
 double tip_speed(const Machine& machine) {
-  if (machine.type == Machine::Type::cm5) return std::abs(machine.impeller_speed) * 0.5 * machine.mixer.impeller_diameter;
+  if (machine.type == Machine::Type::cm5)
+    return std::abs(machine.impeller_speed) * 0.5 * machine.mixer.impeller_diameter;
   return std::max(std::abs(machine.impeller_speed) * 0.5 * machine.bowl.impeller_diameter,
                   std::abs(machine.chopper_speed) * 0.5 * machine.bowl.chopper_diameter);
 }

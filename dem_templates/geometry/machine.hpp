@@ -25,9 +25,8 @@ struct Body {
   std::optional<Rotation> rotation;  ///< none: it stands still
 };
 
-/// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n times as many sides of round bodies, each
-/// triangle of a blade in n^2.
-/// Errors: a user's STL that cannot be used (the only case with an error).
+/// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n times as many sides of round bodies,
+/// each triangle of a blade in n^2. Errors: a user's STL that cannot be used (the only case with an error).
 Result<std::vector<Body>> bodies(const Machine& machine);
 
 /// The bodies by themselves, without any user's file.
@@ -40,8 +39,8 @@ std::vector<Blade> mixer_blades(const HorizontalMixer& mixer);
 std::vector<Blade> bowl_blades(const BatchBowl& bowl);
 Rotation bowl_chopper_rotation(const BatchBowl& bowl, double speed);
 
-/// The round parts of the bowl's rotors: the hub around z, up to hub_top, and the chopper's shaft along x, from chopper_from
-/// into the wall. [m]
+/// The round parts of the bowl's rotors: the hub around z, up to hub_top, and the chopper's shaft along x, from
+/// chopper_from into the wall. [m]
 struct BowlShafts {
   double hub_radius, hub_top;
   Vec3 chopper;
@@ -57,7 +56,8 @@ std::vector<double> compartment_volume(const Machine& machine, int n);
 /// Speed of the blade tips, the faster of impeller and chopper [m/s].
 double tip_speed(const Machine& machine);
 
-/// Largest particle that still moves freely: 0.45 of the gap between shaft and casing, or between hub and wall of the bowl [m].
+/// Largest particle that still moves freely: 0.45 of the gap between shaft and casing, or between hub and wall of the
+/// bowl [m].
 double largest_particle(const Machine& machine);
 
 Axis axis_of(const Machine& machine);

@@ -1,0 +1,122 @@
+// Whole campaigns on real LIGGGHTS: small, but with every part a user meets.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "common/files.hpp"
+#include "common/results/campaign_results.hpp"
+#include "pilot/journal/journal.hpp"
+#include "tests/support/granary_program.hpp"
+
+namespace granary::test {
+namespace {
+
+/// The quick workflow, made smaller: few particles, short bursts, two rounds.
+std::vector<std::string> small_campaign(const fs::path& dir) {
+  return {"run", (kSource / "workflows/quick.json").string(), "--dir", dir.string(), "--json", "--quiet",
+          "--set", "/dem/particles=300", "--set", "/dem/longest_burst=\"40 ms\"", "--set", "/dem/settle=\"10 ms\"",
+          "--set", "/coupling/grace=\"10 ms\"", "--set", "/coupling/steady_window=\"20 ms\"", "--set", "/coupling/least_rounds=2",
+          "--set", "/coupling/most_rounds=2", "--set", "/pbm/longest_burst=\"2 s\"", "--set", "/pbm/bins=[8, 8]", "--set", "/pbm/ratio=9"};
+}
+
+std::vector<pilot::Record> journal_of(const fs::path& dir) {
+  const auto content = pilot::read_journal(dir / "journal.jsonl");
+  EXPECT_TRUE(content) << (content ? "" : content.error().message);
+  return content ? content->records : std::vector<pilot::Record>{};
+}
+
+/// How often each task ended as finished.
+std::map<std::string, int> times_finished(const fs::path& dir) {
+  std::map<std::string, int> times;
+  std::map<std::int64_t, std::string> names;
+  for (const pilot::Record& record : journal_of(dir)) {
+    if (record.kind == "coupling.event" && record.payload.text_or("event", "") == "task_ended") ++times[record.payload.text_or("burst", "?")];
+  }
+  return times;
+}
+
+TEST(Campaign, CouplesRealLiggghtsAndPbmBothWays) {
+  const Scratch scratch;
+  const auto summary = granary_json(small_campaign(scratch / "run"));
+
+  EXPECT_THAT(summary.text_or("ended", ""), testing::AnyOf("limit", "steady"));
+  EXPECT_EQ(2, summary.integer_or("dem_bursts", 0));
+  EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+  EXPECT_GT(summary.number_or("core_use", 0.0), 0.1);
+
+  const auto results = read_results(summary.text_or("results", ""));
+  ASSERT_TRUE(results) << results.error().message;
+  for (const double drift : results->pbm.drift_solid_1) EXPECT_LT(drift, 1e-12);
+  for (const double drift : results->pbm.drift_liquid) EXPECT_LT(drift, 1e-12);
+  for (std::size_t t = 1; t < results->pbm.time.size(); ++t) EXPECT_GE(results->pbm.time[t], results->pbm.time[t - 1]);
+  for (std::size_t w = 1; w < results->dem.time.size(); ++w) EXPECT_GT(results->dem.time[w], results->dem.time[w - 1]);
+  ASSERT_EQ(2u, results->rates.size());
+  EXPECT_GT(results->rates[0].collision_rate[0][0], 0.0);
+  // The second DEM burst holds other sizes than the first: the coupling goes both ways.
+  EXPECT_NE(results->rates[0].diameter, results->rates[1].diameter);
+
+  const auto page = read_text(summary.text_or("report", ""));
+  ASSERT_TRUE(page);
+  EXPECT_THAT(*page, testing::HasSubstr("<svg"));
+}
+
+TEST(Campaign, GoesOnAfterAKillOfThePilotAndRunsNoFinishedBurstAgain) {
+  const Scratch scratch;
+  const fs::path dir = scratch / "run";
+  auto arguments = small_campaign(dir);
+  arguments.insert(arguments.begin(), (kPrograms / "granary").string());
+  std::thread killer([&] {
+    // As soon as the second round's DEM burst writes tallies: in the middle of a task.
+    const fs::path sign = dir / "bursts/0002-dem/tallies.jsonl";
+    for (int i = 0; i < 2000 && !fs::exists(sign); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::ifstream lock(dir / "pilot.pid");
+    const auto found = pilot::run_program({"/usr/bin/pkill", "-KILL", "-f", "granary run .*" + dir.string()}, "", 10.0);
+    EXPECT_TRUE(found && found->exit_code == 0);
+  });
+  const auto killed = pilot::run_program(arguments, "", 240.0);
+  killer.join();
+  ASSERT_TRUE(killed);
+  ASSERT_EQ(SIGKILL, killed->signal) << killed->err;
+
+  const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
+
+  EXPECT_EQ(2, summary.integer_or("dem_bursts", 0));
+  EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+  for (const auto& [burst, times] : times_finished(dir)) EXPECT_EQ(1, times) << burst;
+}
+
+TEST(Campaign, StopsGracefullyAndGoesOn) {
+  const Scratch scratch;
+  const fs::path dir = scratch / "run";
+  std::thread stopper([&] {
+    for (int i = 0; i < 2000 && !fs::exists(dir / "bursts/0001-pbm/progress.jsonl"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(0, granary({"status", dir.string()}).exit_code);
+    EXPECT_EQ(0, granary({"stop", dir.string()}).exit_code);
+  });
+  const auto stopped = granary(small_campaign(dir));
+  stopper.join();
+  ASSERT_EQ(4, stopped.exit_code) << stopped.err;
+  EXPECT_THAT(granary({"status", dir.string()}).out, testing::HasSubstr("granary resume"));
+
+  const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
+  EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+}
+
+TEST(Campaign, EndsWithTheCauseWhenTheDemDiverges) {
+  const Scratch scratch;
+  auto arguments = small_campaign(scratch / "run");
+  arguments.insert(arguments.end(), {"--set", "/dem/guard/largest_overlap=1e-7"});
+  const auto output = granary(arguments);
+  EXPECT_EQ(3, output.exit_code);
+  EXPECT_THAT(output.err, testing::HasSubstr("overlap"));
+  EXPECT_THAT(output.err, testing::HasSubstr("/dem/"));
+}
+
+}  // namespace
+}  // namespace granary::test
