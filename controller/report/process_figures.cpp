@@ -111,7 +111,7 @@ std::vector<Figure> process_figures(const CampaignResults& results) {
   outflow.y_title = "solids [g/s]";
   figures.push_back(over_process(results, "outflow", "Outflow of solids", std::move(outflow),
                                  "Mass of solids leaving the last compartment."));
-  if (!flows) figures.back().missing = "nothing flows out";
+  if (!flows && !pbm.time.empty()) figures.back().missing = "nothing flows out";
   return figures;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "controller/report/figures.hpp"
 #include "controller/report/html.hpp"
@@ -84,7 +85,7 @@ std::string cards(const CampaignResults& r) {
 }
 
 std::string bursts_table(const CampaignResults& r) {
-  if (r.bursts.empty()) return soft("No burst was run.");
+  if (r.bursts.empty()) return soft("No burst came to its end.");
   std::vector<std::vector<std::string>> rows;
   for (const auto& b : r.bursts) {
     const bool dem = b.kind == "dem";
@@ -191,17 +192,21 @@ std::string figure_html(const Figure& figure, const std::string& svg) {
 std::string section_html(const Section& section, std::vector<std::string>::const_iterator& next) {
   std::string out =
       fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", section.id, escaped(section.title), section.html);
-  std::string drawn, missing;
+  std::string drawn;
+  std::vector<std::pair<std::string, std::string>> left_out;  // reason, the figures' titles
   for (const auto& figure : section.figures) {
-    if (figure.plot.script.empty())
-      missing += fmt::format("<li>Left out: “{}”: {}.</li>\n", escaped(figure.title), escaped(figure.missing));
-    else
+    if (!figure.plot.script.empty()) {
       drawn += figure_html(figure, *next++);
+    } else if (!left_out.empty() && left_out.back().first == figure.missing) {
+      left_out.back().second += ", “" + figure.title + "”";
+    } else {
+      left_out.emplace_back(figure.missing, "“" + figure.title + "”");
+    }
   }
   if (!drawn.empty())
     out += "<div class=\"figures\"" + std::string(section.html.empty() ? "" : " style=\"margin-top:14px\"") + ">\n" +
            drawn + "</div>\n";
-  if (!missing.empty()) out += "<ul class=\"missing\">\n" + missing + "</ul>\n";
+  for (const auto& [reason, titles] : left_out) out += soft("Left out: " + titles + ": " + reason + ".");
   return out + "</section>\n";
 }
 

@@ -81,12 +81,18 @@ std::vector<Figure> size_figures(const CampaignResults& results) {
                              density(sizes.edge, shown(s)), false});
   }
 
-  return {finished("sizes-along", "Size distributions at the end, along the granulator", std::move(along),
-                   "By volume; equal areas are equal volumes. Dashed: where it began."),
-          finished("sizes-through",
-                   outlet ? "Size distribution of what leaves, through time"
-                          : "Size distribution of the last compartment, through time",
-                   std::move(through), "By volume, at the start and after each PBM burst.")};
+  const bool only_start = n_moments == 1;
+  if (only_start) through.lines.clear();  // the other figure has it
+  return {
+      finished("sizes-along",
+               only_start ? "Size distributions at the start" : "Size distributions at the end, along the granulator",
+               std::move(along),
+               only_start ? "By volume; equal areas are equal volumes."
+                          : "By volume; equal areas are equal volumes. Dashed: where it began."),
+      finished("sizes-through",
+               outlet ? "Size distribution of what leaves, through time"
+                      : "Size distribution of the last compartment, through time",
+               std::move(through), "By volume, at the start and after each PBM burst.")};
 }
 
 }  // namespace granary::report
