@@ -38,7 +38,8 @@ HorizontalMixer read_mixer(Reader in) {
   if (m.impeller_diameter >= std::min(m.inlet_diameter, m.outlet_diameter))
     in.problem("impeller_diameter", "must be smaller than the casing at both ends");
   if (m.shaft_diameter >= m.impeller_diameter) in.problem("shaft_diameter", "must be smaller than impeller_diameter");
-  if (m.feed_elements + m.shear_elements + m.exit_elements < 1) in.problem("shear_elements", "the impeller has no elements");
+  if (m.feed_elements + m.shear_elements + m.exit_elements < 1)
+    in.problem("shear_elements", "the impeller has no elements");
   in.done();
   return m;
 }
@@ -70,7 +71,8 @@ BatchBowl read_bowl(Reader in) {
   if (!(b.cylinder_height < b.cover_height && b.cover_height < b.lid_height))
     in.problem("cover_height", "must lie between cylinder_height and lid_height");
   if (b.impeller_diameter >= b.bottom_diameter) in.problem("impeller_diameter", "must be smaller than bottom_diameter");
-  if (b.chopper_diameter > 0.4 * b.bottom_diameter) in.problem("chopper_diameter", "must be at most 40 % of bottom_diameter");
+  if (b.chopper_diameter > 0.4 * b.bottom_diameter)
+    in.problem("chopper_diameter", "must be at most 40 % of bottom_diameter");
   in.done();
   return b;
 }
@@ -150,7 +152,8 @@ Population read_compartment(Reader in) {
     p.count.push_back(static_cast<long>(n));
   }
   if (p.diameter.size() != p.count.size())
-    in.problem("count", fmt::format("has {} numbers for {} diameters; each diameter needs its own", p.count.size(), p.diameter.size()));
+    in.problem("count", fmt::format("has {} numbers for {} diameters; each diameter needs its own", p.count.size(),
+                                    p.diameter.size()));
   if (!(p.from < p.to)) in.problem("to", "must be larger than from");
   in.done();
   return p;
@@ -244,7 +247,8 @@ json::Value to_json(const DemCase& c) {
        {"time_step", c.time_step},
        {"settle_time", c.settle_time},
        {"duration", c.duration},
-       {"tally", Value::object({{"window", c.tally.window}, {"every", c.tally.every}, {"class_edges", c.tally.class_edges}})},
+       {"tally",
+        Value::object({{"window", c.tally.window}, {"every", c.tally.every}, {"class_edges", c.tally.class_edges}})},
        {"guard", Value::object({{"largest_overlap", c.guard.largest_overlap},
                                 {"energy_factor", c.guard.energy_factor},
                                 {"lost_fraction", c.guard.lost_fraction}})}});

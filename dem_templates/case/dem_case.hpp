@@ -14,13 +14,13 @@ namespace granary::dem {
 
 /// Continuous horizontal mixer with paddles in a spiral on a shaft (Loedige CoriMix CM5 and its like). Axis = x.
 struct HorizontalMixer {
-  double inlet_diameter = 0.120;      ///< casing at x = 0 [m]
-  double outlet_diameter = 0.130;     ///< casing at x = length [m]
-  double length = 0.440;              ///< casing [m]
-  double shaft_diameter = 0.068;      ///< [m]
-  double shaft_length = 0.370;        ///< [m]
-  double impeller_diameter = 0.114;   ///< tip to tip [m]
-  int feed_elements = 4;              ///< paddles under the inlet
+  double inlet_diameter = 0.120;     ///< casing at x = 0 [m]
+  double outlet_diameter = 0.130;    ///< casing at x = length [m]
+  double length = 0.440;             ///< casing [m]
+  double shaft_diameter = 0.068;     ///< [m]
+  double shaft_length = 0.370;       ///< [m]
+  double impeller_diameter = 0.114;  ///< tip to tip [m]
+  int feed_elements = 4;             ///< paddles under the inlet
   int shear_elements = 20;
   int exit_elements = 4;
 };
@@ -34,64 +34,64 @@ struct BatchBowl {
   double lid_height = 0.0641;         ///< [m]
   double impeller_diameter = 0.0792;  ///< tangent circle [m]
   int impeller_blades = 3;
-  double impeller_pitch = 0.7854;     ///< blade angle [rad]
-  double chopper_diameter = 0.022;    ///< cutting circle [m]
+  double impeller_pitch = 0.7854;   ///< blade angle [rad]
+  double chopper_diameter = 0.022;  ///< cutting circle [m]
   int chopper_blades = 4;
 };
 
 struct Machine {
   enum class Type { cm5, batch_bowl };
   Type type = Type::cm5;
-  HorizontalMixer mixer;              ///< read if type is cm5
-  BatchBowl bowl;                     ///< read if type is batch_bowl
-  double impeller_speed = 209.44;     ///< [rad/s]
-  double chopper_speed = 0.0;         ///< [rad/s]; batch_bowl only
+  HorizontalMixer mixer;                                         ///< read if type is cm5
+  BatchBowl bowl;                                                ///< read if type is batch_bowl
+  double impeller_speed = 209.44;                                ///< [rad/s]
+  double chopper_speed = 0.0;                                    ///< [rad/s]; batch_bowl only
   std::optional<std::filesystem::path> shell_stl, impeller_stl;  ///< the user's own meshes instead of ours [m]
-  int refinement = 1;                 ///< of our meshes: n times the sides of round bodies, n^2 the triangles of a blade
+  int refinement = 1;  ///< of our meshes: n times the sides of round bodies, n^2 the triangles of a blade
 };
 
 /// Contact law of LIGGGHTS' `pair gran model hertz tangential history`; particle-particle and particle-wall.
 struct Contact {
-  double young_modulus = 8e6;         ///< [Pa]
-  double wall_young_modulus = 9.99e8; ///< [Pa]
+  double young_modulus = 8e6;          ///< [Pa]
+  double wall_young_modulus = 9.99e8;  ///< [Pa]
   double poisson_ratio = 0.2;
   double restitution = 0.4;
   double friction = 0.5;
-  double rolling_friction = 0.0;      ///< 0: no rolling model
+  double rolling_friction = 0.0;  ///< 0: no rolling model
 };
 
 /// What one compartment holds: diameters of DEM particles (already coarse-grained) and how many of each.
 struct Population {
-  double from = 0.0, to = 0.0;        ///< along the machine's axis [m]
-  std::vector<double> diameter;       ///< [m]
+  double from = 0.0, to = 0.0;   ///< along the machine's axis [m]
+  std::vector<double> diameter;  ///< [m]
   std::vector<long> count;
 };
 
 struct Tally {
-  double window = 0.01;               ///< a line of tallies.jsonl each [s]
-  int every = 5;                      ///< steps between looks at the contacts
-  std::vector<double> class_edges;    ///< DEM diameters [m], ascending, n_classes + 1
+  double window = 0.01;             ///< a line of tallies.jsonl each [s]
+  int every = 5;                    ///< steps between looks at the contacts
+  std::vector<double> class_edges;  ///< DEM diameters [m], ascending, n_classes + 1
 };
 
 /// Bounds beyond which a burst has diverged.
 struct Guard {
-  double largest_overlap = 0.2;       ///< of the smaller particle's radius
-  double energy_factor = 20.0;        ///< kinetic energy over that of all particles at tip speed
-  double lost_fraction = 0.02;        ///< particles gone that did not leave through the outlet
+  double largest_overlap = 0.2;  ///< of the smaller particle's radius
+  double energy_factor = 20.0;   ///< kinetic energy over that of all particles at tip speed
+  double lost_fraction = 0.02;   ///< particles gone that did not leave through the outlet
 };
 
 struct DemCase {
   std::string name;
   Machine machine;
   Contact contact;
-  double density = 1000.0;            ///< of the particles [kg/m^3]
-  double coarse_graining = 1.0;       ///< DEM diameter / real diameter
-  std::vector<Population> population; ///< per compartment, in order along the axis
-  double feed_rate = 0.0;             ///< solids fed while it runs [kg/s]; 0: none
-  double feed_diameter = 0.0;         ///< of the fed particles [m]; 0: the smallest of the first compartment
-  double time_step = 5e-6;            ///< [s]
-  double settle_time = 0.05;          ///< after a fill or a resize, before the measuring starts [s]
-  double duration = 0.2;              ///< longest measuring time of the burst [s]
+  double density = 1000.0;             ///< of the particles [kg/m^3]
+  double coarse_graining = 1.0;        ///< DEM diameter / real diameter
+  std::vector<Population> population;  ///< per compartment, in order along the axis
+  double feed_rate = 0.0;              ///< solids fed while it runs [kg/s]; 0: none
+  double feed_diameter = 0.0;          ///< of the fed particles [m]; 0: the smallest of the first compartment
+  double time_step = 5e-6;             ///< [s]
+  double settle_time = 0.05;           ///< after a fill or a resize, before the measuring starts [s]
+  double duration = 0.2;               ///< longest measuring time of the burst [s]
   Tally tally;
   Guard guard;
   std::optional<std::filesystem::path> restart;  ///< LIGGGHTS restart file of the burst before

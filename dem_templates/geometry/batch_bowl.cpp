@@ -8,11 +8,11 @@
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 32;            // sides of the bowl at refinement 1; flats touch the nominal circles
+constexpr int kAround = 32;  // sides of the bowl at refinement 1; flats touch the nominal circles
 constexpr int kShaftAround = 12;
-constexpr double kWall = 0.010;        // of the bowl [m]: thick, so that its outside is on no neighbour list
-constexpr double kClearance = 0.005;   // of the chopper from blades and lid: nothing is crushed between them [m]
-constexpr double kIntoWall = 0.001;    // how far shafts reach into the wall they come through [m]
+constexpr double kWall = 0.010;       // of the bowl [m]: thick, so that its outside is on no neighbour list
+constexpr double kClearance = 0.005;  // of the chopper from blades and lid: nothing is crushed between them [m]
+constexpr double kIntoWall = 0.001;   // how far shafts reach into the wall they come through [m]
 constexpr double kBladeThickness = 0.002, kChopperThickness = 0.002;  // [m]
 
 double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
@@ -47,13 +47,17 @@ BowlShafts bowl_shafts(const BatchBowl& b) {
   const double radius = 0.5 * b.chopper_diameter;
   const double height = std::min(blade_top(b) + radius + kClearance, b.lid_height - radius - kClearance);
   const double centre = 0.35 * b.bottom_diameter;
-  return {0.1 * b.impeller_diameter, blade_top(b) + 0.002, {centre, 0.0, height}, 0.24 * radius,
+  return {0.1 * b.impeller_diameter,
+          blade_top(b) + 0.002,
+          {centre, 0.0, height},
+          0.24 * radius,
           centre - 0.5 * chopper_width(b) - 0.001};
 }
 
 Mesh bowl_impeller(const BatchBowl& b, int refinement) {
   const auto [hub, top, chopper, r, from] = bowl_shafts(b);
-  Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}}, kShaftAround * refinement);
+  Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}},
+                                 kShaftAround * refinement);
   for (const Blade& form : bowl_blades(b)) append(mesh, refine(blade(form), refinement));
   return mesh;
 }
@@ -70,8 +74,7 @@ Mesh bowl_chopper(const BatchBowl& b, int refinement) {
   form.root_radius = 0.6 * shafts.chopper_radius;
   form.tip_radius = 0.5 * b.chopper_diameter;
   const double from = shafts.chopper_from, r = shafts.chopper_radius, to = 0.5 * b.bottom_diameter + kIntoWall;
-  Mesh mesh = body_of_revolution(
-      Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround * refinement);
+  Mesh mesh = body_of_revolution(Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround * refinement);
   for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, shafts.chopper.y, shafts.chopper.z};
   for (int i = 0; i < b.chopper_blades; ++i) {
     form.angle = 2.0 * kPi * i / b.chopper_blades;
@@ -87,7 +90,8 @@ Mesh bowl_shell(const BatchBowl& b, int refinement) {
   Vessel form;
   form.axis = Axis::z;
   form.n_around = sides;
-  form.inner = {{0.0, 0.0}, {0.0, low}, {b.cylinder_height, low}, {b.cover_height, high}, {b.lid_height, high}, {b.lid_height, 0.0}};
+  form.inner = {{0.0, 0.0},           {0.0, low},         {b.cylinder_height, low}, {b.cover_height, high},
+                {b.lid_height, high}, {b.lid_height, 0.0}};
   form.outer = {{-kWall, 0.0},
                 {-kWall, low + kWall},
                 {b.cylinder_height, low + kWall},

@@ -9,18 +9,25 @@
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 24;           // sides of the casing at refinement 1; flats touch the nominal cone
+constexpr int kAround = 24;  // sides of the casing at refinement 1; flats touch the nominal cone
 constexpr int kShaftAround = 16;
-constexpr double kWall = 0.010;       // of the casing [m]: thick, so that its outside is on no neighbour list
+constexpr double kWall = 0.010;  // of the casing [m]: thick, so that its outside is on no neighbour list
 constexpr double kBladeThickness = 0.002;
-constexpr double kEndGap = 0.010;     // from the end plate to the first blade, so that it crushes nothing against it [m]
+constexpr double kEndGap = 0.010;  // from the end plate to the first blade, so that it crushes nothing against it [m]
 constexpr double kQuarterTurn = 0.5 * kPi;
 
 // Profile points along the casing: ends, chute, two between, outlet. Cells between points 2-3 and m-3..m-2 open.
 std::vector<double> stations(const HorizontalMixer& m) {
   const MixerPorts ports = mixer_ports(m);
   const double from = ports.chute_to, span = ports.outlet_from - ports.chute_to;
-  return {0.0, ports.chute_from, ports.chute_to, from + span / 3, from + 2 * span / 3, ports.outlet_from, ports.outlet_to, m.length};
+  return {0.0,
+          ports.chute_from,
+          ports.chute_to,
+          from + span / 3,
+          from + 2 * span / 3,
+          ports.outlet_from,
+          ports.outlet_to,
+          m.length};
 }
 constexpr int kChuteCell = 2, kOutletCell = 6;  // counted along the profile; cell 0 is the end plate
 
@@ -34,7 +41,9 @@ double casing_radius(const HorizontalMixer& m, double x) {
   return 0.5 * (m.inlet_diameter + (m.outlet_diameter - m.inlet_diameter) * x / m.length);
 }
 
-double casing_corner_radius(const HorizontalMixer& m, double x) { return touching_radius(casing_radius(m, x), kAround); }
+double casing_corner_radius(const HorizontalMixer& m, double x) {
+  return touching_radius(casing_radius(m, x), kAround);
+}
 
 MixerPorts mixer_ports(const HorizontalMixer& m) {
   const double spacing = m.shaft_length / (m.feed_elements + m.shear_elements + m.exit_elements);
@@ -73,7 +82,8 @@ std::vector<Blade> mixer_blades(const HorizontalMixer& m) {
 
 Mesh mixer_impeller(const HorizontalMixer& m, int refinement) {
   const double r = 0.5 * m.shaft_diameter;
-  Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}}, kShaftAround * refinement);
+  Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}},
+                                 kShaftAround * refinement);
   for (const Blade& b : mixer_blades(m)) append(mesh, refine(blade(b), refinement));
   return mesh;
 }

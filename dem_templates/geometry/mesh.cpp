@@ -24,8 +24,7 @@ void append(Mesh& mesh, const Mesh& other) {
 
 double volume(const Mesh& mesh) {
   double sum = 0.0;
-  for (const Triangle& t : mesh.triangle)
-    sum += dot(mesh.vertex[t[0]], cross(mesh.vertex[t[1]], mesh.vertex[t[2]]));
+  for (const Triangle& t : mesh.triangle) sum += dot(mesh.vertex[t[0]], cross(mesh.vertex[t[1]], mesh.vertex[t[2]]));
   return sum / 6.0;
 }
 
@@ -35,7 +34,8 @@ Mesh refine(const Mesh& mesh, int n) {
   Mesh fine{mesh.vertex, {}};
   std::map<std::array<int, 3>, int> on_edge;  // lower vertex, higher vertex, step from the lower one
   for (const Triangle& t : mesh.triangle) {
-    // Vertex number of the point with barycentric steps (n - i - j, i, j). Edge points are made once for both triangles.
+    // Vertex number of the point with barycentric steps (n - i - j, i, j). Edge points are made once for both
+    // triangles.
     const auto edge_point = [&](int a, int b, int step) {
       if (step == 0) return a;
       if (step == n) return b;
@@ -48,9 +48,12 @@ Mesh refine(const Mesh& mesh, int n) {
     std::vector<std::vector<int>> point(n + 1);
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
-        if (j == 0) point[i].push_back(edge_point(t[0], t[1], i));
-        else if (i == 0) point[i].push_back(edge_point(t[0], t[2], j));
-        else if (i + j == n) point[i].push_back(edge_point(t[1], t[2], j));
+        if (j == 0)
+          point[i].push_back(edge_point(t[0], t[1], i));
+        else if (i == 0)
+          point[i].push_back(edge_point(t[0], t[2], j));
+        else if (i + j == n)
+          point[i].push_back(edge_point(t[1], t[2], j));
         else {
           point[i].push_back(static_cast<int>(fine.vertex.size()));
           fine.vertex.push_back((1.0 / n) * (static_cast<double>(n - i - j) * mesh.vertex[t[0]] +

@@ -113,9 +113,7 @@ double reach(const Blade& form) {
 
 }  // namespace
 
-Vec3 unit(Axis axis) {
-  return {axis == Axis::x ? 1.0 : 0.0, axis == Axis::y ? 1.0 : 0.0, axis == Axis::z ? 1.0 : 0.0};
-}
+Vec3 unit(Axis axis) { return {axis == Axis::x ? 1.0 : 0.0, axis == Axis::y ? 1.0 : 0.0, axis == Axis::z ? 1.0 : 0.0}; }
 
 double touching_radius(double radius, int n_around) { return radius / std::cos(kPi / n_around); }
 
@@ -143,7 +141,8 @@ Mesh vessel(const Vessel& form) {
       const int next = (j + 1) % n;
       // The rim looks into the hole: against the order of its corners here.
       if (!open(i - 1, j)) add_quad(mesh, inner[i][j], inner[i][next], outer[i][next], outer[i][j], true);
-      if (!open(i + 1, j)) add_quad(mesh, inner[i + 1][next], inner[i + 1][j], outer[i + 1][j], outer[i + 1][next], true);
+      if (!open(i + 1, j))
+        add_quad(mesh, inner[i + 1][next], inner[i + 1][j], outer[i + 1][j], outer[i + 1][next], true);
       if (!open(i, j - 1)) add_quad(mesh, inner[i + 1][j], inner[i][j], outer[i][j], outer[i + 1][j], true);
       if (!open(i, j + 1)) add_quad(mesh, inner[i][next], inner[i + 1][next], outer[i + 1][next], outer[i][next], true);
     }

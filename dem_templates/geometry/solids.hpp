@@ -23,8 +23,8 @@ Mesh body_of_revolution(Axis axis, const std::vector<ProfilePoint>& profile, int
 /// Circle and regular n-gon: the n-gon's corner radius whose flats touch the circle.
 double touching_radius(double radius, int n_around);
 
-/// A closed vessel with walls of some thickness: two surfaces of revolution, the inner one inside the outer one, with the
-/// same number of profile points and sides. Cells are counted along the profile and around.
+/// A closed vessel with walls of some thickness: two surfaces of revolution, the inner one inside the outer one, with
+/// the same number of profile points and sides. Cells are counted along the profile and around.
 struct Vessel {
   using Cells = std::function<bool(int along, int around)>;
 
@@ -37,15 +37,15 @@ struct Vessel {
 };
 Mesh vessel(const Vessel& form);
 
-/// A flat blade on a rotor. Its tip corners lie exactly on the tip circle; its two long edges are cut across the axis, so that
-/// no bevel drives particles under it.
+/// A flat blade on a rotor. Its tip corners lie exactly on the tip circle; its two long edges are cut across the axis,
+/// so that no bevel drives particles under it.
 struct Blade {
-  Axis axis = Axis::x;      ///< of the rotor, through `centre`
-  Vec3 centre;              ///< of the blade, on the axis [m]
-  double angle = 0.0;       ///< around the axis [rad]
+  Axis axis = Axis::x;                         ///< of the rotor, through `centre`
+  Vec3 centre;                                 ///< of the blade, on the axis [m]
+  double angle = 0.0;                          ///< around the axis [rad]
   double root_radius = 0.0, tip_radius = 0.0;  ///< [m]
   double width = 0.0, thickness = 0.0;         ///< [m]
-  double pitch = 0.0;       ///< 0: the face looks where the blade goes; towards pi/2: along the axis [rad]
+  double pitch = 0.0;  ///< 0: the face looks where the blade goes; towards pi/2: along the axis [rad]
 };
 Mesh blade(const Blade& form);
 

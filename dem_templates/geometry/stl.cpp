@@ -59,11 +59,13 @@ Result<Mesh> parse_ascii(const std::string& text, const std::string& file) {
       Vec3 p;
       if (!(words >> p.x >> p.y >> p.z))
         return Error{fmt::format("{}: line {}: \"{}\" is not a vertex with three numbers.", file, n_line, line)};
-      if (n_corners == 3) return Error{fmt::format("{}: line {}: a facet with more than three vertices.", file, n_line)};
+      if (n_corners == 3)
+        return Error{fmt::format("{}: line {}: a facet with more than three vertices.", file, n_line)};
       corner[n_corners++] = p;
     } else if (word == "endfacet") {
       if (n_corners != 3)
-        return Error{fmt::format("{}: line {}: a facet with {} vertices; it must have three.", file, n_line, n_corners)};
+        return Error{
+            fmt::format("{}: line {}: a facet with {} vertices; it must have three.", file, n_line, n_corners)};
       add_triangle(mesh, corner);
       n_corners = 0;
     } else if (word == "endsolid") {
@@ -71,7 +73,8 @@ Result<Mesh> parse_ascii(const std::string& text, const std::string& file) {
     }
   }
   if (n_corners != 0 || !ended)
-    return Error{fmt::format("{}: ends at line {} before \"endsolid\": the file was cut. Export it again.", file, n_line)};
+    return Error{
+        fmt::format("{}: ends at line {} before \"endsolid\": the file was cut. Export it again.", file, n_line)};
   return mesh;
 }
 
@@ -97,9 +100,10 @@ Result<Mesh> read_stl(const std::filesystem::path& file) {
   GRANARY_TRY(const std::string bytes, read_text(file));
   const bool binary = is_binary(bytes);
   if (!binary && !bytes.starts_with("solid"))
-    return Error{fmt::format("{}: not an STL file: it neither begins with \"solid\" nor has the length of a binary one "
-                             "({} triangles would take {} bytes, it has {}).",
-                             name, facet_count(bytes), kHeader + 4 + kFacet * std::size_t{facet_count(bytes)}, bytes.size())};
+    return Error{
+        fmt::format("{}: not an STL file: it neither begins with \"solid\" nor has the length of a binary one "
+                    "({} triangles would take {} bytes, it has {}).",
+                    name, facet_count(bytes), kHeader + 4 + kFacet * std::size_t{facet_count(bytes)}, bytes.size())};
   Mesh mesh;
   if (binary) {
     mesh = parse_binary(bytes);
@@ -112,7 +116,8 @@ Result<Mesh> read_stl(const std::filesystem::path& file) {
   if (!std::isfinite(size)) return Error{fmt::format("{}: has a vertex that is not a number.", name)};
   mesh = weld(mesh, 1e-6 * size);
   if (const auto fault = defect(mesh))
-    return Error{fmt::format("{}: not watertight: {}. Close the body in the CAD program and export it again.", name, *fault)};
+    return Error{
+        fmt::format("{}: not watertight: {}. Close the body in the CAD program and export it again.", name, *fault)};
   return mesh;
 }
 

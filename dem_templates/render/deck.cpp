@@ -45,13 +45,16 @@ double mass_of(const DemCase& c) {
   return sum + c.feed_rate * (c.settle_time + c.duration);
 }
 
-// Kinetic energy beyond which a burst has diverged: energy_factor times that of all at tip speed and fallen through the machine.
+// Kinetic energy beyond which a burst has diverged: energy_factor times that of all at tip speed and fallen through the
+// machine.
 double energy_bound(const DemCase& c, const Box3& box) {
   const double tip = tip_speed(c.machine), fall = std::abs(dot(gravity_direction(c.machine), box.high - box.low));
   return c.guard.energy_factor * mass_of(c) * (0.5 * tip * tip + kGravity * fall);
 }
 
-std::string rolling_style(const DemCase& c) { return c.contact.rolling_friction > 0.0 ? " rolling_friction epsd2" : ""; }
+std::string rolling_style(const DemCase& c) {
+  return c.contact.rolling_friction > 0.0 ? " rolling_friction epsd2" : "";
+}
 
 Result<std::string> state_commands(const DemCase& c, const Box3& box) {
   if (c.restart) return render(templates::restart, "restart.tmpl", {{"restart", c.restart->string()}});
@@ -132,7 +135,8 @@ Status check_restart(const DemCase& c, const fs::path& folder) {
   if (!c.restart) return {};
   const fs::path file = (folder / *c.restart).lexically_normal();  // an absolute path stays itself
   if (!fs::is_regular_file(file))
-    return Error{fmt::format("{}: no such restart file. The burst before writes it at its end and when it is stopped.", file.string())};
+    return Error{fmt::format("{}: no such restart file. The burst before writes it at its end and when it is stopped.",
+                             file.string())};
   const fs::path before = file.parent_path() / "case.json";
   if (!fs::exists(before)) return {};
   GRANARY_TRY(const json::Value document, json::read_file(before));
@@ -144,8 +148,9 @@ Status check_restart(const DemCase& c, const fs::path& folder) {
     return to_json(walls)["machine"];
   };
   if (!(same_walls(previous.machine) == same_walls(c.machine)))
-    return Error{fmt::format("{}: is the restart of another case: its machine ({}, /machine) is not this burst's. Start without a restart.",
-                             file.string(), before.string())};
+    return Error{fmt::format(
+        "{}: is the restart of another case: its machine ({}, /machine) is not this burst's. Start without a restart.",
+        file.string(), before.string())};
   return {};
 }
 
@@ -176,20 +181,22 @@ Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all)
   GRANARY_TRY(const std::string materials, material_commands(c.contact));
   GRANARY_TRY(const std::string walls, wall_commands(c, all));
   GRANARY_TRY(const std::string run, run_commands(c, all));
-  Values values{{"name", c.name},
-                {"particles", number(particles_of(c))},
-                {"tip_speed", fmt::format("{:.4g}", figures.impact_speed)},
-                {"time_step_comment", fmt::format("time step {:.1f} % of the Rayleigh time, 1/{:.0f} of the contact time.",
-                                                  100 * figures.rayleigh_share, 1 / figures.contact_share)},
-                {"state", state},
-                {"skin", digits(neighbour_skin(c))},
-                {"materials", materials},
-                {"rolling", rolling_style(c)},
-                {"time_step", digits(c.time_step)},
-                {"gravity", digits(kGravity)},
-                {"walls", walls},
-                {"run", run}};
-  if (c.machine.type == Machine::Type::batch_bowl) return render(templates::in_batch_bowl, "in.batch_bowl.tmpl", values);
+  Values values{
+      {"name", c.name},
+      {"particles", number(particles_of(c))},
+      {"tip_speed", fmt::format("{:.4g}", figures.impact_speed)},
+      {"time_step_comment", fmt::format("time step {:.1f} % of the Rayleigh time, 1/{:.0f} of the contact time.",
+                                        100 * figures.rayleigh_share, 1 / figures.contact_share)},
+      {"state", state},
+      {"skin", digits(neighbour_skin(c))},
+      {"materials", materials},
+      {"rolling", rolling_style(c)},
+      {"time_step", digits(c.time_step)},
+      {"gravity", digits(kGravity)},
+      {"walls", walls},
+      {"run", run}};
+  if (c.machine.type == Machine::Type::batch_bowl)
+    return render(templates::in_batch_bowl, "in.batch_bowl.tmpl", values);
   GRANARY_TRY(const std::string outlet, outlet_commands(c.machine.mixer));
   std::string feed;
   if (c.feed_rate > 0.0) {

@@ -28,10 +28,9 @@ Result<std::string> input_script(const DemCase& dem_case, const std::vector<Body
 /// population.json.
 json::Value population_json(const DemCase& dem_case);
 
-/// Writes case.json, population.json, meshes/*.stl and in.liggghts into `folder` (made if missing). A relative `restart` is
-/// relative to `folder`, where granary-dem runs.
-/// Errors: what read_case() refuses; a user's STL that cannot be used; a restart that is missing or belongs to another
-/// machine; a full disk.
+/// Writes case.json, population.json, meshes/*.stl and in.liggghts into `folder` (made if missing). A relative
+/// `restart` is relative to `folder`, where granary-dem runs. Errors: what read_case() refuses; a user's STL that
+/// cannot be used; a restart that is missing or belongs to another machine; a full disk.
 Status write_burst(const DemCase& dem_case, const std::filesystem::path& folder);
 
 }  // namespace granary::dem

@@ -9,8 +9,8 @@
 
 namespace granary::dem {
 
-/// Defines region `space`, in which whole particles must lie when granary/resize puts them in: inside of the vessel, outside
-/// of shafts and hubs. (It keeps off the triangles of the meshes by itself.)
+/// Defines region `space`, in which whole particles must lie when granary/resize puts them in: inside of the vessel,
+/// outside of shafts and hubs. (It keeps off the triangles of the meshes by itself.)
 std::string space_commands(const Machine& machine);
 
 /// The outlet of the horizontal mixer: region and fix.

@@ -28,7 +28,8 @@ Result<std::string> render(std::string_view text, std::string_view template_name
     const std::string_view name = text.substr(open + 2, close - open - 2);
     const auto value = std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.first == name; });
     if (value == values.end())
-      return our_error(fmt::format("{}: line {}: there is no value for the placeholder @{{{}}}.", template_name, line, name));
+      return our_error(
+          fmt::format("{}: line {}: there is no value for the placeholder @{{{}}}.", template_name, line, name));
     used.insert(value->first);
     filled += text.substr(at, open - at);
     filled += value->second;
@@ -38,7 +39,8 @@ Result<std::string> render(std::string_view text, std::string_view template_name
 
   for (std::string_view name : given)
     if (!used.contains(name))
-      return our_error(fmt::format("{}: the value \"{}\" is used by no placeholder @{{{}}}.", template_name, name, name));
+      return our_error(
+          fmt::format("{}: the value \"{}\" is used by no placeholder @{{{}}}.", template_name, name, name));
   return filled;
 }
 

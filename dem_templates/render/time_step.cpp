@@ -50,7 +50,8 @@ double largest_time_step(const TimeStepFigures& f) {
 std::optional<std::string> time_step_problem(const TimeStepFigures& f) {
   if (f.rayleigh_share <= kLargestRayleighShare && f.contact_share <= kLargestContactShare) return std::nullopt;
   return fmt::format(
-      "{:.3g} s is {:.0f} % of the Rayleigh time ({:.3g} s; at most 20 %) and 1/{:.1f} of the contact time at tip speed "
+      "{:.3g} s is {:.0f} % of the Rayleigh time ({:.3g} s; at most 20 %) and 1/{:.1f} of the contact time at tip "
+      "speed "
       "({:.3g} s at {:.3g} m/s; at most 1/15) of the smallest particle ({:.3g} m). It must be at most {:.3g} s; larger "
       "particles or a lower Young's modulus allow more.",
       f.time_step, 100.0 * f.rayleigh_share, f.rayleigh_time, 1.0 / f.contact_share, f.contact_time, f.impact_speed,
@@ -61,7 +62,8 @@ std::optional<std::string> overlap_warning(const TimeStepFigures& f, const DemCa
   const double bound = c.guard.largest_overlap;
   if (f.impact_overlap <= bound) return std::nullopt;
   return fmt::format(
-      "a blade at {:.3g} m/s presses a particle in by up to {:.2f} of its radius (elastic), above the guard's bound of {:.2f}: a "
+      "a blade at {:.3g} m/s presses a particle in by up to {:.2f} of its radius (elastic), above the guard's bound of "
+      "{:.2f}: a "
       "Young's modulus of {:.2g} Pa would keep it below.",
       f.impact_speed, f.impact_overlap, bound, c.contact.young_modulus * std::pow(f.impact_overlap / bound, 2.5));
 }

@@ -25,7 +25,8 @@ DemCase filled(Machine machine, long n, double diameter, int n_compartments) {
   double whole = 0.0;
   for (double v : volumes) whole += v;
   for (int i = 0; i < n_compartments; ++i)
-    c.population.push_back({edges[i], edges[i + 1], {diameter}, {std::lround(static_cast<double>(n) * volumes[i] / whole)}});
+    c.population.push_back(
+        {edges[i], edges[i + 1], {diameter}, {std::lround(static_cast<double>(n) * volumes[i] / whole)}});
   c.tally.class_edges = {0.5 * diameter, 1.5 * diameter};
   c.tally.window = 0.005;
   c.time_step = 1e-5;
@@ -46,7 +47,8 @@ DemCase a_bowl() {
 }
 
 /// Writes the burst, adds LIGGGHTS commands before its first run, and runs it; the exit code.
-int run_burst(const Folder& folder, const std::string& burst, const DemCase& c, const std::string& commands = "", int ranks = 1) {
+int run_burst(const Folder& folder, const std::string& burst, const DemCase& c, const std::string& commands = "",
+              int ranks = 1) {
   const Status written = write_burst(c, folder / burst);
   if (!written) {
     ADD_FAILURE() << written.error().message;
@@ -55,7 +57,8 @@ int run_burst(const Folder& folder, const std::string& burst, const DemCase& c, 
   std::string script = folder.read(burst + "/in.liggghts");
   script.insert(script.find("\nrun "), "\n" + commands);
   folder.write(burst + "/in.liggghts", script);
-  return shell(folder, "cd " + burst + " && " + (ranks > 1 ? mpirun(ranks) : std::string()) + program() + " -in in.liggghts");
+  return shell(folder,
+               "cd " + burst + " && " + (ranks > 1 ? mpirun(ranks) : std::string()) + program() + " -in in.liggghts");
 }
 
 struct Speeds {
@@ -79,8 +82,10 @@ Speeds read_speeds(const std::string& text) {
     if (!numbers) continue;
     double v[3];
     std::istringstream words(line);
-    if (!(words >> v[0] >> v[1] >> v[2])) speeds.finite = false;
-    else speeds.largest = std::max(speeds.largest, std::hypot(v[0], v[1], v[2]));
+    if (!(words >> v[0] >> v[1] >> v[2]))
+      speeds.finite = false;
+    else
+      speeds.largest = std::max(speeds.largest, std::hypot(v[0], v[1], v[2]));
     ++speeds.particles;
   }
   return speeds;
@@ -130,12 +135,14 @@ TEST(MixerDeck, ARestartGoesOnWithTheBladesWhereTheyWereAndHasTheNewSizes) {
   c.settle_time = 0.005;
   c.duration = 0.0075;
   c.tally.window = 0.0025;
-  ASSERT_EQ(run_burst(folder, "0001-dem", c, "dump blades all mesh/stl 1250 blades*.stl impeller\n"), 0) << folder.read("err");
+  ASSERT_EQ(run_burst(folder, "0001-dem", c, "dump blades all mesh/stl 1250 blades*.stl impeller\n"), 0)
+      << folder.read("err");
 
   c.restart = "../0001-dem/restart.liggghts";
   for (Population& p : c.population) p.diameter = {0.0045, 0.005}, p.count = {p.count[0] / 2, p.count[0] / 4};
   c.tally.class_edges = {0.004, 0.00475, 0.006};
-  ASSERT_EQ(run_burst(folder, "0002-dem", c, "dump blades all mesh/stl 1250 blades*.stl impeller\n"), 0) << folder.read("err");
+  ASSERT_EQ(run_burst(folder, "0002-dem", c, "dump blades all mesh/stl 1250 blades*.stl impeller\n"), 0)
+      << folder.read("err");
 
   const auto mesh = [&](const std::string& file) { return *read_stl(folder / file); };
   const Turned start = first_blade(mesh("0001-dem/blades0.stl"));
@@ -154,7 +161,8 @@ TEST(MixerDeck, ARestartGoesOnWithTheBladesWhereTheyWereAndHasTheNewSizes) {
     small += compartment.numbers()[0];
     large += compartment.numbers()[1];
   }
-  for (const Population& p : c.population) asked_small += static_cast<double>(p.count[0]), asked_large += static_cast<double>(p.count[1]);
+  for (const Population& p : c.population)
+    asked_small += static_cast<double>(p.count[0]), asked_large += static_cast<double>(p.count[1]);
   EXPECT_NEAR(small, asked_small, 0.05 * asked_small);  // some may have left while the bed settled
   EXPECT_NEAR(large, asked_large, 0.05 * asked_large);
 }

@@ -74,9 +74,9 @@ TEST(InputScript, FirstBurstBeginsWithAnEmptyBoxALaterOneWithTheRestart) {
   DemCase c = a_case();
   EXPECT_THAT(script_of(c), AllOf(HasSubstr("create_box"), Not(HasSubstr("read_restart"))));
   c.restart = "../0001-dem/restart.liggghts";
-  EXPECT_THAT(script_of(c), AllOf(HasSubstr("read_restart  ../0001-dem/restart.liggghts\n"), Not(HasSubstr("create_box")),
-                                  HasSubstr("fix turn_impeller"), HasSubstr("newton        off"),
-                                  HasSubstr("communicate   single vel yes")));
+  EXPECT_THAT(script_of(c), AllOf(HasSubstr("read_restart  ../0001-dem/restart.liggghts\n"),
+                                  Not(HasSubstr("create_box")), HasSubstr("fix turn_impeller"),
+                                  HasSubstr("newton        off"), HasSubstr("communicate   single vel yes")));
 }
 
 TEST(InputScript, RotationIsAPeriodNotASpeed) {
@@ -119,8 +119,9 @@ TEST(InputScript, TheMixerHasAnOutletTheBowlHasNone) {
 }
 
 TEST(InputScript, TalliesWhatTheCaseAsksFor) {
-  EXPECT_THAT(script_of(a_case()), AllOf(HasSubstr("compartments 2 0 0.22 0.44"), HasSubstr("classes 2 0.001 0.0035 0.005"),
-                                         HasSubstr("window 1000"), HasSubstr("body impeller mesh impeller")));
+  EXPECT_THAT(script_of(a_case()),
+              AllOf(HasSubstr("compartments 2 0 0.22 0.44"), HasSubstr("classes 2 0.001 0.0035 0.005"),
+                    HasSubstr("window 1000"), HasSubstr("body impeller mesh impeller")));
 }
 
 TEST(NeighbourSkin, StaysWithinTheParticlesSize) {

@@ -66,8 +66,8 @@ TEST(DemCaseJson, ReportsEveryProblemAtOnce) {
 
   const std::string text = problems_of(document);
 
-  for (const char* said : {"case.json", "/contact/restitution", "1.4", "/contact/young_modulus", "/machine/mixer/shaft_length",
-                           "/time_step", "/densty", "density"})
+  for (const char* said : {"case.json", "/contact/restitution", "1.4", "/contact/young_modulus",
+                           "/machine/mixer/shaft_length", "/time_step", "/densty", "density"})
     EXPECT_THAT(text, HasSubstr(said));
 }
 

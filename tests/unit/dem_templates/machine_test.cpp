@@ -100,7 +100,8 @@ TEST(Machine, TheMixersShellEnclosesTheConeAndItsChute) {
   const double polygon = 24 * std::tan(kPi / 24) / kPi;  // area of the flats' polygon over the circle's
   const double wall = 0.010;
   const auto cone_of = [](double a, double b, double h) { return kPi / 3 * h * (a * a + a * b + b * b); };
-  const double outside = polygon * (cone_of(r0 + wall, r1 + wall, m.length) + kPi * wall * ((r0 + wall) * (r0 + wall) + (r1 + wall) * (r1 + wall)));
+  const double outside = polygon * (cone_of(r0 + wall, r1 + wall, m.length) +
+                                    kPi * wall * ((r0 + wall) * (r0 + wall) + (r1 + wall) * (r1 + wall)));
   const double metal = outside - polygon * cone;  // without the chute and the hole
   const double hole = (ports.outlet_to - ports.outlet_from) * wall * 2 * ports.outlet_half_width;
   const double chute_wall = 2 * (ports.chute_to - ports.chute_from + 2 * ports.chute_half_width) * wall * 0.04;

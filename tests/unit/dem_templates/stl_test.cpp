@@ -18,7 +18,9 @@ using testing::HasSubstr;
 
 class Stl : public testing::Test {
  protected:
-  Stl() : folder_(fs::temp_directory_path() / ("granary_stl_" + std::to_string(getpid()))) { fs::create_directories(folder_); }
+  Stl() : folder_(fs::temp_directory_path() / ("granary_stl_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
   ~Stl() override { fs::remove_all(folder_); }
 
   fs::path file(const std::string& bytes) const {
