@@ -18,13 +18,29 @@ constexpr int kMostAttempts = 200;
 constexpr std::size_t kQuantities = 4;   // number, solid volume, liquid, gas
 constexpr std::array<const char*, kQuantities> kQuantityNames{"number", "solid volume", "liquid", "gas"};
 
+/// Particles, solid volume, liquid and gas that feed and spray bring between two outputs.
+std::array<double, kQuantities> brought_between_outputs(const PbmCase& c, const ClassGrid& grid) {
+  std::array<double, kQuantities> sum{};
+  if (c.feed)
+    for (const ClassRate& one : c.feed->classes) {
+      const double solid = one.rate * grid.solid()[grid.index(one.i, one.j)];
+      sum[0] += one.rate;
+      sum[1] += solid;
+      sum[3] += solid * c.feed->porosity / (1.0 - c.feed->porosity);
+    }
+  if (c.spray) sum[2] = c.spray->rate;
+  for (double& rate : sum) rate *= c.output_every;
+  return sum;
+}
+
 }  // namespace
 
-Integrator::Integrator(CompartmentRow& row, Exchange& exchange, int n_compartments, double relative_tolerance, double last_error)
+Integrator::Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& c, double last_error)
     : row_(&row),
       exchange_(&exchange),
-      n_compartments_(static_cast<std::size_t>(n_compartments)),
-      tolerance_(relative_tolerance),
+      n_compartments_(static_cast<std::size_t>(c.compartments.count)),
+      tolerance_(c.relative_tolerance),
+      brought_(brought_between_outputs(c, row.grid())),
       control_(last_error),
       small_(row.compartments() * row.classes()),
       slow_down_(row.compartments()),
@@ -148,7 +164,7 @@ Integrator::Judgement Integrator::judge(std::span<const double> state, double h)
   exchange_->gather(mine, all);
 
   Judgement judgement;
-  std::array<double, kQuantities> mean{};
+  std::array<double, kQuantities> mean = brought_;
   for (std::size_t x = 0; x < n_compartments_; ++x)
     for (std::size_t q = 0; q < kQuantities; ++q) mean[q] += all[x * kEach + kQuantities + q] / static_cast<double>(n_compartments_);
   for (std::size_t x = 0; x < n_compartments_; ++x) {

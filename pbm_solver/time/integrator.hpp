@@ -1,6 +1,7 @@
 // One error-controlled step of the row of compartments: explicit, conservative, never negative.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,11 +33,12 @@ struct WorkCount {
 /// (births and deaths alike, so the balance stays closed).
 ///
 /// Error norm: the largest, over compartments and over {number, solid volume, liquid, gas}, of the sum of absolute errors over the sum
-/// held there (plus 1e-3 of the row's mean, and for liquid and gas 1e-3 of the solids), relative to the tolerance.
+/// held there, relative to the tolerance. To what is held come 1e-3 of the row's mean and of what feed and spray bring between two
+/// outputs (a start from empty, a spray onto the first particles), and for liquid and gas 1e-3 of the solids.
 /// Source: [kraaijevanger1991], embedded method [fekete2022].
 class Integrator {
  public:
-  Integrator(CompartmentRow& row, Exchange& exchange, int n_compartments, double relative_tolerance, double last_error);
+  Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& pbm_case, double last_error);
 
   struct Step {
     double taken = 0.0;  ///< [s]
@@ -70,6 +72,7 @@ class Integrator {
   Exchange* exchange_;
   std::size_t n_compartments_;
   double tolerance_;
+  std::array<double, 4> brought_{};       ///< by feed and spray between two outputs: number, solid, liquid, gas
   StepControl control_;
   WorkCount work_;
   std::vector<double> f0_, f1_, f2_, f3_, stage_, new_state_;

@@ -70,8 +70,10 @@ double constant_kernel_2d(double x, double y, double t) {
 
 double sum_kernel_2d(double x, double y, double t) {
   const double T = 1.0 - std::exp(-2.0 * t), mean = 0.5 * (x + y);
-  // The sum grows as exp(3 z^(1/3)) while the factor before it shrinks: both fit a long double.
+  // The sum grows as exp(3 z^(1/3)) while the factor before it shrinks: a long double holds both.
   const long double z = static_cast<long double>(T * mean) * x * y;
+  const double growth = 3.0 * std::cbrt(static_cast<double>(z));
+  if (T * mean + x + y - growth > 700.0 || growth > 11000.0) return 0.0;  // beyond all doubles, or all long doubles
   long double term = 1.0L, sum = 1.0L;
   for (int k = 0; term > 1e-20L * sum && k < 100000; ++k) {
     term *= z / (static_cast<long double>(k + 2) * (k + 1) * (k + 1));
