@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,8 +14,11 @@ namespace granary::coupling {
 
 namespace {
 
-constexpr double kAimedShare =
-    0.75;  // of the budget, when f is chosen: room to grow and to shrink before the next choice
+using Counts = std::vector<std::vector<long>>;  // shape (n_compartments, n_classes)
+
+// Shares of the budget that f is chosen for, in this order: at first with room to grow and to shrink; less where single
+// coarse particles make the count overshoot; more where the largest particle must stay small.
+constexpr std::array kTriedShares{0.75, 0.65, 0.55, 0.45, 0.3, 0.9, 1.0};
 constexpr double kNearDiameters = 1.05;  // classes nearer than this are one
 constexpr double kMostCut = 0.5;         // of the volume
 constexpr double kCutStep = 0.05;
@@ -151,52 +155,12 @@ bool fits(const Classes& classes, double f, const PopulationSettings& settings) 
   return settings.largest_diameter <= 0.0 || f * classes.all.back().diameter() <= settings.largest_diameter;
 }
 
-struct Chosen {
-  Classes classes;
-  double f = 1.0;
-  std::string choice;
-};
-
-Result<Chosen> choose(const std::vector<Share>& shares, std::size_t n_compartments,
-                      const PopulationSettings& settings) {
-  const auto budget = static_cast<double>(settings.budget);
-  const double previous = settings.previous_coarse_graining;
-  Classes classes = classify(shares, n_compartments, settings.size_classes, settings.fine_cut);
-  if (previous >= 1.0 && fits(classes, previous, settings)) {
-    const double particles = classes.particles() / (previous * previous * previous);
-    const bool all_real = previous == 1.0 && particles <= budget;
-    if (all_real || (particles >= 0.5 * budget && particles <= budget))
-      return Chosen{
-          std::move(classes), previous,
-          fmt::format("f = {:.4g} kept: {:.0f} particles of at most {}", previous, particles, settings.budget)};
-  }
-  for (const double share : {kAimedShare, 1.0})
-    for (double cut = settings.fine_cut; cut <= kMostCut + 1e-12; cut += kCutStep) {
-      classes = classify(shares, n_compartments, settings.size_classes, cut);
-      const double f = coarse_graining_for(classes, share * budget);
-      if (!fits(classes, f, settings)) continue;
-      const std::string why = cut > settings.fine_cut
-                                  ? fmt::format(
-                                        "; the finest {:.3g} % of the volume rides on the finest class, so that the "
-                                        "largest particle stays below {:.4g} m",
-                                        100.0 * cut, settings.largest_diameter)
-                                  : "";
-      return Chosen{std::move(classes), f,
-                    fmt::format("f = {:.4g} chosen for {:.3g} of the budget of {}{}", f, share, settings.budget, why)};
-    }
-  const double needed = classes.particles() * std::pow(classes.all.back().diameter() / settings.largest_diameter, 3);
-  return Error{fmt::format(
-      "the hold-up cannot be shown with {} particles of at most {:.4g} m: that takes about {:.0f}. Raise the particle "
-      "budget (/dem/particles) or allow larger ones.",
-      settings.budget, settings.largest_diameter, std::ceil(needed))};
-}
-
 /// Whole particles. In each compartment the volume a class was rounded by is made up by the next finer one, down to the
 /// finest, so the hold-up is right; and each class hands its rounding on to the next compartment, so that a class with
 /// a third of a particle everywhere is not lost everywhere.
-std::vector<std::vector<long>> whole_counts(const Classes& classes, std::size_t n_compartments, double f) {
+Counts whole_counts(const Classes& classes, std::size_t n_compartments, double f) {
   const std::size_t n = classes.all.size();
-  std::vector<std::vector<long>> counts(n_compartments, std::vector<long>(n, 0));
+  Counts counts(n_compartments, std::vector<long>(n, 0));
   std::vector<double> owed(n, 0.0);  // particles a class has been rounded down by so far
   for (std::size_t x = 0; x < n_compartments; ++x) {
     double left = 0.0;  // of the hold-up, not yet in particles [m^3]
@@ -220,6 +184,64 @@ std::vector<std::vector<long>> whole_counts(const Classes& classes, std::size_t 
     }
   }
   return counts;
+}
+
+long total_of(const Counts& counts) {
+  long total = 0;
+  for (const std::vector<long>& compartment : counts)
+    total += std::accumulate(compartment.begin(), compartment.end(), 0L);
+  return total;
+}
+
+struct Chosen {
+  Classes classes;
+  double f = 1.0;
+  Counts counts;
+  std::string choice;
+};
+
+/// f and cut. The budget holds for whole particles: a coarse one rounded down is made up by many fine ones.
+Result<Chosen> choose(const std::vector<Share>& shares, std::size_t n_compartments,
+                      const PopulationSettings& settings) {
+  const auto budget = static_cast<double>(settings.budget);
+  const double previous = settings.previous_coarse_graining;
+  Classes classes = classify(shares, n_compartments, settings.size_classes, settings.fine_cut);
+  if (previous >= 1.0 && fits(classes, previous, settings)) {
+    const double particles = classes.particles() / (previous * previous * previous);
+    if (particles <= budget && (previous == 1.0 || particles >= 0.5 * budget)) {
+      Counts counts = whole_counts(classes, n_compartments, previous);
+      if (const long total = total_of(counts); total <= settings.budget)
+        return Chosen{std::move(classes), previous, std::move(counts),
+                      fmt::format("f = {:.4g} kept: {} particles of at most {}", previous, total, settings.budget)};
+    }
+  }
+  for (const double share : kTriedShares)
+    for (double cut = settings.fine_cut; cut <= kMostCut + 1e-12; cut += kCutStep) {
+      classes = classify(shares, n_compartments, settings.size_classes, cut);
+      const double f = coarse_graining_for(classes, share * budget);
+      if (!fits(classes, f, settings)) continue;
+      Counts counts = whole_counts(classes, n_compartments, f);
+      if (total_of(counts) > settings.budget) break;
+      const std::string why =
+          cut > settings.fine_cut
+              ? fmt::format(
+                    "; the finest {:.3g} % of the volume rides on the finest class, so that the largest "
+                    "particle stays below {:.4g} m",
+                    100.0 * cut, settings.largest_diameter)
+              : "";
+      return Chosen{std::move(classes), f, std::move(counts),
+                    fmt::format("f = {:.4g} chosen for {:.3g} of the budget of {}{}", f, share, settings.budget, why)};
+    }
+  if (settings.largest_diameter <= 0.0)
+    return Error{
+        fmt::format("the hold-up of {} compartments cannot be shown with {} whole particles. Raise the particle budget "
+                    "(/dem/particles).",
+                    n_compartments, settings.budget)};
+  const double needed = classes.particles() * std::pow(classes.all.back().diameter() / settings.largest_diameter, 3);
+  return Error{fmt::format(
+      "the hold-up cannot be shown with {} particles of at most {:.4g} m: that takes about {:.0f}. Raise the "
+      "particle budget (/dem/particles) or allow larger ones.",
+      settings.budget, settings.largest_diameter, std::ceil(needed))};
 }
 
 /// Half-way (in log d) between neighbours; the outer edges mirror the inner ones, so each class's mid is its diameter
@@ -278,7 +300,7 @@ Result<SampledPopulation> sample_population(const HoldUp& hold_up, const Populat
   out.class_edge = edges_around(out.class_diameter);
   out.density = envelope_density(hold_up, settings);
 
-  const auto counts = whole_counts(classes, n_x, chosen.f);
+  const Counts& counts = chosen.counts;
   double made = 0.0, real_particles = 0.0;
   for (std::size_t x = 0; x < n_x; ++x) {
     out.volume += hold_up.volume(x);

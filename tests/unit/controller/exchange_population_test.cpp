@@ -96,6 +96,19 @@ TEST(Population, StaysWithinTheBudgetAndAimsAtThreeQuarters) {
   }
 }
 
+TEST(Population, KeepsToTheBudgetWithWholeParticlesToo) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const HoldUp hold_up = a_random_hold_up(seed, 16);
+    PopulationSettings settings = settings_for(hold_up);
+    settings.budget = 300;
+    settings.size_classes = 4;
+    if (const auto sampled = sample_population(hold_up, settings))
+      EXPECT_LE(sampled->total, 300) << sampled->choice;
+    else
+      ADD_FAILURE() << sampled.error().message;
+  }
+}
+
 TEST(Population, HasTheRightNumberOfEachSizeToo) {
   const HoldUp hold_up = a_random_hold_up(3);
   PopulationSettings settings = settings_for(hold_up);
