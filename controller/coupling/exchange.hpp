@@ -102,13 +102,15 @@ struct SampledPopulation {
   double volume_error = 0.0;             ///< |DEM volume - hold-up| / hold-up, by whole particles [-]
   double unrepresented_volume = 0.0;     ///< share of the volume finer than the finest class (rides on it) [-]
   double unrepresented_number = 0.0;     ///< share of the real particles in that tail [-]
-  std::string choice;                    ///< one sentence: which f and cut, and why
+  double capped_volume = 0.0;  ///< share of the volume in particles too large for the machine, shown smaller [-]
+  std::string choice;          ///< one sentence: which f and cut, and why
 };
 
 /// Particles for the DEM. Classes hold equal shares of the represented volume; a class's diameter is that of its mean
 /// particle volume, so it has the right number and the right volume. One DEM particle of diameter f d stands for f^3
 /// real ones of diameter d: sum count pi/6 (f d)^3 = hold-up volume, in each compartment, up to half a particle.
 /// f is kept from the burst before while the count stays in [budget/2, budget], else chosen for 0.75 budget; f >= 1.
+/// Under a bound on the largest particle the fine tail is cut further, then what is too large is shown at the bound.
 /// Errors: nothing in any compartment; a state that is not a number, or negative; a budget too small for the largest
 /// diameter.
 Result<SampledPopulation> sample_population(const HoldUp& hold_up, const PopulationSettings& settings);

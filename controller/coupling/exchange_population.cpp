@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "common/math/size_distribution.hpp"
 #include "controller/coupling/exchange.hpp"
@@ -45,6 +46,13 @@ struct Classes {
   std::vector<SizeClass> all;  ///< ascending
   double cut = 0.0;            ///< asked for
   double tail_volume = 0.0, tail_number = 0.0;
+  double capped_volume = 0.0;  ///< of particles larger than the machine allows, shown smaller [m^3]
+
+  double represented_volume() const {
+    double total = 0.0;
+    for (const SizeClass& one : all) total += one.volume;
+    return total;
+  }
 
   /// Particles of these sizes that make up the whole volume.
   double particles() const {
@@ -200,6 +208,41 @@ struct Chosen {
   std::string choice;
 };
 
+/// Where even the widest tail leaves too large particles: classes above the bound are shown at the bound, by more of
+/// them. Empty if the bound and the budget exclude each other.
+std::optional<Chosen> cap(const Classes& classes, std::size_t n_compartments, const PopulationSettings& settings) {
+  if (settings.largest_diameter <= 0.0) return std::nullopt;
+  constexpr double kFiner = 1.02;
+  const auto capped_at = [&](double f) {
+    Classes capped = classes;
+    capped.all.clear();
+    for (SizeClass one : classes.all) {
+      const double largest = sphere_volume(settings.largest_diameter / f);
+      if (one.particle_volume() > largest) {
+        capped.capped_volume += one.volume;
+        one.number = one.volume / largest;
+      }
+      const bool near = !capped.all.empty() && one.diameter() < kNearDiameters * capped.all.back().diameter();
+      near ? merge(capped.all.back(), one) : capped.all.push_back(one);
+    }
+    return capped;
+  };
+  for (double f = coarse_graining_for(classes, static_cast<double>(settings.budget));; f *= kFiner) {
+    Classes capped = capped_at(f);
+    Counts counts = whole_counts(capped, n_compartments, f);
+    if (total_of(counts) <= settings.budget) {
+      const double share = capped.capped_volume / (capped.represented_volume() + capped.tail_volume);
+      return Chosen{
+          std::move(capped), f, std::move(counts),
+          fmt::format(
+              "f = {:.4g}: {:.3g} % of the volume is in particles larger than the machine allows in the DEM, and is "
+              "shown by particles of {:.4g} m",
+              f, 100.0 * share, settings.largest_diameter)};
+    }
+    if (capped.all.size() == 1) return std::nullopt;  // all at the bound, and still too many
+  }
+}
+
 /// f and cut. The budget holds for whole particles: a coarse one rounded down is made up by many fine ones.
 Result<Chosen> choose(const std::vector<Share>& shares, std::size_t n_compartments,
                       const PopulationSettings& settings) {
@@ -232,6 +275,7 @@ Result<Chosen> choose(const std::vector<Share>& shares, std::size_t n_compartmen
       return Chosen{std::move(classes), f, std::move(counts),
                     fmt::format("f = {:.4g} chosen for {:.3g} of the budget of {}{}", f, share, settings.budget, why)};
     }
+  if (auto capped = cap(classes, n_compartments, settings)) return *std::move(capped);
   if (settings.largest_diameter <= 0.0)
     return Error{
         fmt::format("the hold-up of {} compartments cannot be shown with {} whole particles. Raise the particle budget "
@@ -319,6 +363,7 @@ Result<SampledPopulation> sample_population(const HoldUp& hold_up, const Populat
   for (const Share& share : shares) real_particles += share.number;
   out.volume_error = std::abs(made - out.volume) / out.volume;
   out.unrepresented_volume = classes.tail_volume / out.volume;
+  out.capped_volume = classes.capped_volume / out.volume;
   out.unrepresented_number = classes.tail_number / real_particles;
   return out;
 }
@@ -415,6 +460,7 @@ json::Value to_json(const SampledPopulation& sampled) {
                               {"volume_error", sampled.volume_error},
                               {"unrepresented_volume", sampled.unrepresented_volume},
                               {"unrepresented_number", sampled.unrepresented_number},
+                              {"capped_volume", sampled.capped_volume},
                               {"choice", sampled.choice}});
 }
 

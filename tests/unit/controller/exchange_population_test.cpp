@@ -226,6 +226,21 @@ TEST(Population, CutsMoreOfTheFineTailToFitTheMachine) {
   EXPECT_THAT(bounded.choice, HasSubstr("rides on the finest class"));
 }
 
+TEST(Population, ShowsWhatIsTooLargeForTheMachineAtTheBound) {
+  HoldUp hold_up = a_random_hold_up(9);
+  hold_up.number[1][12][12] = 1e-4 / hold_up.solid_1[12];  // half of all in lumps of 1 mm
+  PopulationSettings settings = settings_for(hold_up);
+  settings.largest_diameter = 0.012;
+  const SampledPopulation bounded = sample(hold_up, settings);
+
+  EXPECT_LE(bounded.class_diameter.back(), 0.012 * (1.0 + 1e-12));
+  EXPECT_LE(bounded.total, settings.budget);
+  EXPECT_GT(bounded.capped_volume, 0.0);
+  EXPECT_THAT(bounded.choice, HasSubstr("larger than the machine allows"));
+  for (std::size_t x = 0; x < hold_up.n_compartments(); ++x)
+    EXPECT_NEAR(hold_up.volume(x), volume(bounded.compartments[x]), 0.5000001 * finest_volume(bounded.compartments[x]));
+}
+
 TEST(Population, SaysHowManyParticlesItWouldTake) {
   const HoldUp hold_up = a_random_hold_up(10);
   PopulationSettings settings = settings_for(hold_up);
