@@ -1,9 +1,11 @@
 #include "pbm_solver/output/state_file.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <system_error>
 
 #include "common/json/io.hpp"
@@ -85,17 +87,30 @@ Status append_rows(Hdf5File& h5, const Snapshot& s, const Summary& summary) {
   return h5.flush();
 }
 
-/// HDF5 may leave a file it cannot read again when the disk fills up while it writes: so look before.
-Status room_for(const fs::path& file, const Snapshot& s) {
-  const std::uintmax_t row = 8 * (4 * s.number.size() + s.ledger.size()) + 4096;
-  constexpr std::uintmax_t kHead = 256 * 1024;  // chunks and indices are written whole
+/// Bytes that may still be written to a file: room on its disk, and what the process is allowed to write.
+std::uintmax_t room_in(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::error_code unknown;
-  const fs::space_info space = fs::space(folder, unknown);
-  if (unknown || space.available >= 4 * row + kHead) return {};
-  return Error{fmt::format("{}: the disk is full ({} bytes free, a row needs {}). Rows up to {:g} s are before this one and "
-                           "whole; make room and restart from the last of them.",
-                           file.string(), space.available, row, s.time)};
+  const fs::space_info disk = fs::space(folder, unknown);
+  std::uintmax_t room = unknown ? UINTMAX_MAX : disk.available;
+  rlimit allowed{};
+  if (getrlimit(RLIMIT_FSIZE, &allowed) == 0 && allowed.rlim_cur != RLIM_INFINITY) {
+    const std::uintmax_t written = fs::file_size(file, unknown);
+    if (!unknown) room = std::min<std::uintmax_t>(room, allowed.rlim_cur - std::min<std::uintmax_t>(allowed.rlim_cur, written));
+  }
+  return room;
+}
+
+/// When a write fails for want of room, HDF5 1.10 ends the process and may leave a file it cannot read again: so look before.
+Status room_for(const fs::path& file, const Snapshot& s) {
+  const std::uintmax_t row = 8 * (4 * s.number.size() + s.ledger.size()) + 4096;
+  constexpr std::uintmax_t kChunks = 256 * 1024;  // chunks and indices are written whole
+  const std::uintmax_t needed = 4 * row + kChunks, room = room_in(file);
+  if (room >= needed) return {};
+  return Error{fmt::format("{}: the disk is full ({} bytes free; the state at {:g} s wants {}). The states before it are whole: make room "
+                           "and restart from the last of them.",
+                           file.string(), room, s.time, needed),
+               Exit::task_failed};
 }
 
 std::string described(const std::vector<double>& solid_1, const std::vector<double>& solid_2, std::size_t n_compartments) {
