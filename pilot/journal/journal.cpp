@@ -32,13 +32,17 @@ std::string line_of(std::uint64_t sequence, double wall_time, const std::string&
   return line;
 }
 
+/// Whether the line (without its newline) ends with the right checksum of what is before it.
+bool has_good_sum(std::string_view line) {
+  if (line.size() <= kSumLength) return false;
+  const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
+  return sum.starts_with(kSumOpens) && sum.ends_with("\"}") && sum.substr(kSumOpens.size(), kSumDigits) == fingerprint(body);
+}
+
 /// The record of a line without its newline; nothing if the line is damaged or out of sequence.
 std::optional<Record> record_of(std::string_view line, std::uint64_t expected_sequence) {
-  if (line.size() <= kSumLength) return std::nullopt;
-  const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
-  if (!sum.starts_with(kSumOpens) || !sum.ends_with("\"}")) return std::nullopt;
-  if (sum.substr(kSumOpens.size(), kSumDigits) != fingerprint(body)) return std::nullopt;
-  auto value = json::parse(std::string(body) + "}", "journal");
+  if (!has_good_sum(line)) return std::nullopt;
+  auto value = json::parse(std::string(line.substr(0, line.size() - kSumLength)) + "}", "journal");
   if (!value) return std::nullopt;
   Record record;
   record.sequence = static_cast<std::uint64_t>(value->integer_or("n", 0));
@@ -49,17 +53,10 @@ std::optional<Record> record_of(std::string_view line, std::uint64_t expected_se
   return record;
 }
 
-/// Whether any line from `begin` on carries its right checksum, whatever its number.
+/// Whether any whole line from `begin` on carries its right checksum, whatever its number.
 bool any_good_line(std::string_view text, std::size_t begin) {
-  while (begin < text.size()) {
-    const std::size_t end = text.find('\n', begin);
-    if (end == std::string_view::npos) return false;
-    const std::string_view line = text.substr(begin, end - begin);
-    if (line.size() > kSumLength) {
-      const std::string_view body = line.substr(0, line.size() - kSumLength);
-      if (line.substr(body.size() + kSumOpens.size(), kSumDigits) == fingerprint(body)) return true;
-    }
-    begin = end + 1;
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
+    if (has_good_sum(text.substr(begin, end - begin))) return true;
   }
   return false;
 }
@@ -91,8 +88,8 @@ Result<JournalContent> read_journal(const std::filesystem::path& file) {
     if (end == std::string::npos) break;
     auto record = record_of(std::string_view(text).substr(begin, end - begin), content.records.size() + 1);
     if (!record) {
-      if (any_good_line(text, end + 1)) {
-        return Error{fmt::format("{}: line {} is damaged, but good ones follow: this is no torn tail, somebody changed the file. "
+      if (any_good_line(text, begin)) {
+        return Error{fmt::format("{}: line {} is damaged or missing, but good ones follow: this is no torn tail, somebody changed the file. "
                                  "Restore it from a copy, or start anew in another folder (--dir).",
                                  file.string(), content.records.size() + 1)};
       }

@@ -54,7 +54,9 @@ Status set_aside_attempt(const Launch& earlier, bool own_folder) {
     }
   }
   for (const fs::path& file : files) {
-    if (!fs::exists(fs::symlink_status(file, error))) continue;
+    // Only what an attempt can have made: /dev/null may be its output, but is not to be moved.
+    const fs::file_type type = fs::symlink_status(file, error).type();
+    if (type != fs::file_type::regular && type != fs::file_type::directory && type != fs::file_type::symlink) continue;
     fs::path inside = file.lexically_relative(earlier.dir);
     if (inside.empty() || *inside.begin() == "..") inside = file.filename();
     const fs::path target = keep / inside;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <csignal>
+#include <cstdlib>
 #include <limits>
 
 namespace granary::pilot {
@@ -34,6 +35,27 @@ bool is_plain_name(const std::string& name) {
 int small_integer(json::Reader& reader, const std::string& key, int otherwise, int low) {
   const double largest = std::numeric_limits<int>::max();
   return static_cast<int>(reader.integer_or(key, otherwise, json::Range::between(low, largest)));
+}
+
+/// "500 MB", "2 GiB": how everybody writes memory; UDUNITS knows only "byte" and its prefixes.
+std::int64_t read_memory(json::Reader& task) {
+  constexpr std::array<std::pair<const char*, double>, 9> kUnits{{{"B", 1.0}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12},
+      {"KiB", 1024.0}, {"MiB", 1048576.0}, {"GiB", 1073741824.0}, {"TiB", 1099511627776.0}}};
+  const json::Value* value = task.raw("memory");
+  if (value == nullptr) return 0;
+  if (value->is_string()) {
+    const std::string& text = value->as_string();
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    std::string unit(end);
+    unit.erase(0, unit.find_first_not_of(' ') == std::string::npos ? unit.size() : unit.find_first_not_of(' '));
+    for (const auto& [name, bytes] : kUnits) {
+      const double memory = number * bytes;
+      if (end != text.c_str() && unit == name && memory >= 1.0 && memory <= 1e18) return static_cast<std::int64_t>(memory + 0.5);
+    }
+  }
+  task.problem("memory", "must be a number above 0 with one of the units B, kB, MB, GB, TB, KiB, MiB, GiB, TiB.", "Write \"2 GB\".");
+  return 0;
 }
 
 void read_env(json::Reader& task, TaskSpec& spec) {
@@ -90,7 +112,7 @@ TaskSpec read_task(json::Reader& task) {
   spec.threads = small_integer(task, "threads", spec.threads, 1);
   spec.mpi = task.boolean_or("mpi", spec.mpi);
   spec.light = task.boolean_or("light", spec.light);
-  spec.memory_bytes = static_cast<std::int64_t>(task.quantity_or("memory", 0.0, "byte", json::Range::between(0.0, 1e18)));
+  spec.memory_bytes = read_memory(task);
   spec.nodes = small_integer(task, "nodes", spec.nodes, 1);
   spec.after = task.texts_or("after", {});
   spec.priority = small_integer(task, "priority", spec.priority, std::numeric_limits<int>::min() + 1);

@@ -1,0 +1,245 @@
+// The whole pilot on virtual time: the same scheduler and life cycle as for real, without a process.
+#include "pilot/pilot.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "common/json/io.hpp"
+#include "pilot/launch/simulated_launcher.hpp"
+#include "pilot/loop/virtual_loop.hpp"
+#include "pilot/task_list.hpp"
+#include "tests/unit/pilot/builders.hpp"
+
+namespace granary::pilot::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A simulated site; a task's running time is asked of `model`, 10 s by default.
+struct Simulation {
+  explicit Simulation(Machine m) : machine(std::move(m)), opened(Pilot::open({"/campaign", machine}, loop, launcher, journal)), pilot(**opened) {
+    pilot.on_end([this](const TaskEnd& end) { ended.push_back(end.name); });
+  }
+  VirtualLoop loop;
+  std::function<SimulatedRun(const TaskSpec&)> model = [](const TaskSpec&) { return SimulatedRun{10.0}; };
+  SimulatedLauncher launcher{loop, [this](const TaskSpec& spec) { return model(spec); }};
+  Journal journal = Journal::in_memory([this] { return loop.wall_time(); });
+  Machine machine;
+  Result<std::unique_ptr<Pilot>> opened;
+  Pilot& pilot;
+  std::vector<std::string> ended;
+
+  TaskId submit(const TaskSpec& spec) {
+    const auto id = pilot.submit(spec);
+    EXPECT_TRUE(id.has_value()) << id.error().message;
+    return *id;
+  }
+};
+
+TEST(Pilot, RunsTasksInOrderOfDependencyAndCountsTheTime) {
+  Simulation site(stated_machine(1, 2));
+
+  const auto summary = run_task_list({a_task("c").after({"a", "b"}), a_task("a"), a_task("b")}, site.pilot, site.loop);
+
+  ASSERT_TRUE(summary.has_value());
+  EXPECT_EQ(summary->exit, Exit::ok);
+  EXPECT_EQ(summary->finished, 3);
+  EXPECT_DOUBLE_EQ(summary->seconds, 20.0);
+  EXPECT_DOUBLE_EQ(summary->usage.busy, 30.0);
+  EXPECT_DOUBLE_EQ(summary->usage.total, 40.0);
+  EXPECT_THAT(site.ended, ElementsAre("a", "b", "c"));
+}
+
+TEST(Pilot, StartsNothingWithinSubmit) {
+  Simulation site(stated_machine(1, 1));
+
+  const TaskId a = site.submit(a_task("a"));
+
+  EXPECT_EQ(site.pilot.state(a), TaskState::ready);
+  EXPECT_FALSE(site.pilot.idle());
+}
+
+TEST(Pilot, KeepsIdleCoresBusyWithFillersAndTakesThemBackAtOnce) {
+  Simulation site(stated_machine(1, 2));
+  site.model = [](const TaskSpec& spec) { return SimulatedRun{spec.fill ? 30.0 : 10.0}; };
+  site.submit(a_task("f0").fills());
+  site.submit(a_task("f1").fills());
+  site.loop.at(5.0, [&] { site.submit(a_task("urgent").needs(2)); });
+
+  site.loop.run();
+
+  const auto timeline = site.pilot.timeline();
+  ASSERT_EQ(timeline.size(), 5u);
+  EXPECT_DOUBLE_EQ(timeline[0].start, 0.0);
+  EXPECT_DOUBLE_EQ(timeline[0].end, 5.0);
+  EXPECT_EQ(timeline[0].outcome, TaskState::suspended);
+  EXPECT_DOUBLE_EQ(timeline[1].start, 15.0);
+  EXPECT_DOUBLE_EQ(timeline[1].end, 40.0);
+  EXPECT_EQ(timeline[1].outcome, TaskState::finished);
+  EXPECT_EQ(timeline[4].name, "urgent");
+  EXPECT_DOUBLE_EQ(timeline[4].start, 5.0);
+  EXPECT_DOUBLE_EQ(site.pilot.usage().busy, 80.0);
+  EXPECT_DOUBLE_EQ(site.pilot.usage().fillers, 60.0);
+}
+
+TEST(Pilot, StopsGracefullyAndKillsAfterTheGraceTime) {
+  Simulation site(stated_machine(1, 2));
+  site.model = [](const TaskSpec& spec) {
+    SimulatedRun run{1000.0};
+    run.stop_after = 2.0;
+    run.ignores_stop = spec.name == "deaf";
+    return run;
+  };
+  TaskSpec deaf = a_task("deaf");
+  deaf.stop.grace = 7.0;
+  const TaskId good_id = site.submit(a_task("good")), deaf_id = site.submit(deaf);
+  site.loop.at(10.0, [&] {
+    site.pilot.stop(good_id, "enough");
+    site.pilot.stop(deaf_id, "enough");
+  });
+
+  site.loop.run();
+
+  EXPECT_DOUBLE_EQ(site.pilot.end(good_id)->end, 12.0);
+  EXPECT_EQ(site.pilot.end(good_id)->exit_code, 0);
+  EXPECT_EQ(site.pilot.end(good_id)->state, TaskState::stopped);
+  EXPECT_EQ(site.pilot.end(good_id)->reason, "enough");
+  EXPECT_DOUBLE_EQ(site.pilot.end(deaf_id)->end, 17.0);
+  EXPECT_EQ(site.pilot.end(deaf_id)->signal, SIGKILL);
+}
+
+TEST(Pilot, GoesOnWhereStopAllLeftOff) {
+  Simulation first(stated_machine(1, 1));
+  first.submit(a_task("a"));
+  first.submit(a_task("b"));
+  first.submit(a_task("c"));
+  first.loop.at(15.0, [&] { first.pilot.stop_all("walltime"); });
+  first.loop.run();
+  EXPECT_TRUE(first.pilot.idle());
+  EXPECT_EQ(first.pilot.end(TaskId{1})->state, TaskState::stopped);
+
+  auto second = Pilot::open({"/campaign", first.machine}, first.loop, first.launcher, first.journal);
+  ASSERT_TRUE(second.has_value()) << second.error().message;
+  first.loop.run();
+
+  ASSERT_EQ((*second)->ends().size(), 3u);
+  for (const TaskEnd& end : (*second)->ends()) EXPECT_EQ(end.state, TaskState::finished) << end.name;
+  EXPECT_EQ((*second)->end(TaskId{0})->attempt, 1) << "what has finished is not run again";
+  EXPECT_EQ((*second)->end(TaskId{1})->attempt, 2);
+}
+
+TEST(Pilot, QueuesWhatRanWhenThePilotDiedAgain) {
+  Simulation first(stated_machine(1, 1));
+  first.submit(a_task("a"));
+  first.submit(a_task("b"));
+  first.loop.run_until(12.0);  // b runs; then the pilot is no more
+
+  VirtualLoop loop;
+  SimulatedLauncher launcher(loop, [](const TaskSpec&) { return SimulatedRun{10.0}; });
+  Journal journal = Journal::in_memory();
+  for (const Record& record : first.journal.records()) ASSERT_TRUE(journal.append(record.kind, record.payload).has_value());
+  auto second = Pilot::open({"/campaign", first.machine}, loop, launcher, journal);
+  ASSERT_TRUE(second.has_value()) << second.error().message;
+  loop.run();
+
+  EXPECT_EQ((*second)->end(TaskId{0})->attempt, 1);
+  EXPECT_EQ((*second)->end(TaskId{1})->attempt, 2);
+  EXPECT_EQ((*second)->end(TaskId{1})->state, TaskState::finished);
+  EXPECT_THAT(*(*second)->explain("b"), HasSubstr("attempt 1: lost"));
+}
+
+TEST(Pilot, ReplayGivesTheSameTableAfterEveryRecord) {
+  Simulation site(stated_machine(1, 2));
+  site.model = [](const TaskSpec& spec) { return SimulatedRun{7.0, spec.name == "bad" ? 3 : 0}; };
+  site.submit(a_task("a").fills());
+  site.submit(a_task("bad").retries(1));
+  site.submit(a_task("after-bad").after({"bad"}));
+  site.loop.at(3.0, [&] { site.submit(a_task("wide").needs(2)); });
+  site.loop.run();
+
+  Table table;
+  for (const Record& record : site.journal.records()) {
+    if (!record.kind.starts_with("task.")) continue;
+    const auto event = event_from_json(record.kind, record.payload);
+    ASSERT_TRUE(event.has_value());
+    (void)update(table, *event);
+    const Status sound = table.check_invariants();
+    ASSERT_TRUE(sound.has_value()) << sound.error().message;
+  }
+
+  for (const Task& task : table.tasks) EXPECT_EQ(task.state, site.pilot.state(task.id)) << task.spec.name;
+  EXPECT_EQ(table.tasks.at(1).attempts.size(), 2u);
+}
+
+TEST(Pilot, TakesATaskItKnowsForTheSameAndTellsItsEndAgain) {
+  Simulation site(stated_machine(1, 1));
+  const TaskId a = site.submit(a_task("a"));
+  site.loop.run();
+  site.ended.clear();
+
+  EXPECT_EQ(site.submit(a_task("a")), a);
+  site.loop.run();
+  const auto other = site.pilot.submit(a_task("a").priority(3));
+
+  EXPECT_THAT(site.ended, ElementsAre("a"));
+  ASSERT_FALSE(other.has_value());
+  EXPECT_THAT(other.error().message, HasSubstr("is in the journal with other settings"));
+}
+
+TEST(Pilot, RefusesTasksThatCouldNeverStart) {
+  Simulation site(stated_machine(1, 2));
+
+  EXPECT_THAT(site.pilot.submit(a_task("wide").needs(3)).error().message, HasSubstr("needs 3 core(s)"));
+  EXPECT_THAT(site.pilot.submit(a_task("late").after({"nobody"})).error().message, HasSubstr("comes after \"nobody\""));
+}
+
+TEST(Pilot, AnswersRequestsOfItsSocket) {
+  Simulation site(stated_machine(1, 1));
+  site.submit(a_task("first"));
+  site.submit(a_task("second"));
+  site.loop.run_until(1.0);
+
+  const json::Value status = site.pilot.answer(json::Value::object({{"ask", "status"}}));
+  EXPECT_EQ(status["counts"].integer_or("running", 0), 1);
+  EXPECT_EQ(status["tasks"].items().at(0).text_or("name", ""), "first");
+  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "explain"}, {"task", "second"}})).text_or("text", ""), HasSubstr("ready"));
+  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "explain"}, {"task", "secnd"}})).text_or("error", ""),
+              HasSubstr("Did you mean \"second\"?"));
+  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "dance"}})).text_or("error", ""), HasSubstr("known are status"));
+  site.pilot.answer(json::Value::object({{"ask", "stop"}, {"reason", "user"}}));
+  EXPECT_TRUE(site.pilot.stopping());
+}
+
+TEST(Pilot, StopsGracefullyWhenTheJournalCannotBeWrittenAndSaysWhy) {
+  VirtualLoop loop;
+  SimulatedLauncher launcher(loop, [](const TaskSpec&) { return SimulatedRun{10.0}; });
+  auto journal = Journal::open("/dev/full");
+  ASSERT_TRUE(journal.has_value());
+
+  const auto pilot = Pilot::open({"/campaign", stated_machine(1, 1)}, loop, launcher, *journal);
+
+  ASSERT_FALSE(pilot.has_value());
+  EXPECT_THAT(pilot.error().message, HasSubstr("the disk is full"));
+}
+
+TEST(Pilot, IsDeterministicInSimulation) {
+  const auto journal_of = [] {
+    Simulation site(stated_machine(2, 3));
+    site.model = [](const TaskSpec& spec) { return SimulatedRun{1.0 + static_cast<double>(spec.name.size() % 3)}; };
+    for (int k = 0; k < 40; ++k) site.submit(a_task("t" + std::string(static_cast<std::size_t>(k % 5), 'x') + std::to_string(k)).needs(1 + k % 3));
+    site.loop.run();
+    std::string text;
+    for (const Record& record : site.journal.records()) {
+      if (record.kind != "pilot.open") text += record.kind + json::dump(record.payload) + "\n";
+    }
+    return text;
+  };
+
+  EXPECT_EQ(journal_of(), journal_of());
+}
+
+}  // namespace
+}  // namespace granary::pilot::testing
