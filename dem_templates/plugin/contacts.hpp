@@ -6,17 +6,17 @@
 #include <cstddef>
 #include <vector>
 
-#include <lammps.h>
 #include <atom.h>
 #include <force.h>
+#include <lammps.h>
 #include <neigh_list.h>
 #include <pair.h>
 
 namespace granary::dem {
 
-/// Calls found(i, j, slot, distance^2, (sum of radii)^2) for every pair of the list; i is of this rank, j may be a ghost.
-/// With newton off a pair across a rank boundary is found by both ranks, any other once. Slots number the pairs, the same
-/// way until the list is made anew.
+/// Calls found(i, j, slot, distance^2, (sum of radii)^2) for every pair of the list; i is of this rank, j may be a
+/// ghost. With newton off a pair across a rank boundary is found by both ranks, any other once. Slots number the pairs,
+/// the same way until the list is made anew.
 template <class Found>
 void for_each_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
   const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;

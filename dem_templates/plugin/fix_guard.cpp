@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lammps.h>
 #include <atom.h>
 #include <comm.h>
 #include <error.h>
 #include <force.h>
+#include <lammps.h>
 #include <modify.h>
 #include <pair_gran.h>
 #include <signal_handling.h>
@@ -48,7 +48,8 @@ int FixGuard::setmask() { return LAMMPS_NS::FixConst::END_OF_STEP | LAMMPS_NS::F
 
 void FixGuard::init() {
   if (!dynamic_cast<LAMMPS_NS::PairGran*>(force->pair))
-    end_if_failed(world, Error{"fix " + std::string(id) + " (granary/guard): needs a pair_style gran. See docs/dem_styles.md."});
+    end_if_failed(
+        world, Error{"fix " + std::string(id) + " (granary/guard): needs a pair_style gran. See docs/dem_styles.md."});
 }
 
 void FixGuard::setup(int) {
@@ -88,7 +89,8 @@ Vitals FixGuard::measure(bool with_contacts, bool& stop_asked) {
     finite = finite && std::isfinite(x[0] + x[1] + x[2] + speed2);
     energy += 0.5 * atom->rmass[i] * speed2;
   }
-  double largest[3] = {finite ? 0.0 : 1.0, stop_requested() ? 1.0 : 0.0, with_contacts && finite ? largest_overlap_here() : 0.0};
+  double largest[3] = {finite ? 0.0 : 1.0, stop_requested() ? 1.0 : 0.0,
+                       with_contacts && finite ? largest_overlap_here() : 0.0};
   MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
   MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
   stop_asked = largest[1] > 0.0;
@@ -99,7 +101,11 @@ Vitals FixGuard::measure(bool with_contacts, bool& stop_asked) {
     ever_present_ += now.inserted - balance_.inserted;
     balance_ = now;
   }
-  return {.finite = largest[0] == 0.0, .overlap = largest[2], .energy = energy, .lost = lost_, .ever_present = ever_present_};
+  return {.finite = largest[0] == 0.0,
+          .overlap = largest[2],
+          .energy = energy,
+          .lost = lost_,
+          .ever_present = ever_present_};
 }
 
 double FixGuard::largest_overlap_here() {
@@ -107,12 +113,14 @@ double FixGuard::largest_overlap_here() {
   for (const auto& wall : find_all_walls(*lmp))
     wall->touches([&](const WallTouch& touch) { largest = std::max(largest, touch.overlap); });
   for (int i = 0; i < modify->nfix; ++i)
-    if (auto* tally = dynamic_cast<FixTally*>(modify->fix[i])) largest = std::max(largest, tally->take_largest_overlap());
+    if (auto* tally = dynamic_cast<FixTally*>(modify->fix[i]))
+      largest = std::max(largest, tally->take_largest_overlap());
   return largest;
 }
 
 void FixGuard::end_diverged(const Divergence& divergence) {
-  std::string said = "the run diverged at " + std::to_string(time()) + " s (" + divergence.cause + "): " + divergence.message + " Settings:";
+  std::string said = "the run diverged at " + std::to_string(time()) + " s (" + divergence.cause +
+                     "): " + divergence.message + " Settings:";
   for (const std::string& setting : divergence.settings) said += " " + setting;
   Status written;
   if (comm->me == 0) {

@@ -17,9 +17,9 @@ class FixGuard : public LAMMPS_NS::Fix {
 
   /// The DEM clock: goes on over restarts, also with another time step [s].
   double time() const;
+  bool started() const { return started_; }
   bool stopping() const { return stopping_; }
   const std::string& restart_file() const { return restart_file_; }
-  const std::string& tally_file() const { return file_; }
 
   // What LIGGGHTS calls.
   int setmask() override;
@@ -39,11 +39,11 @@ class FixGuard : public LAMMPS_NS::Fix {
   std::string file_, restart_file_;
   Bounds bounds_;
   bool started_ = false, stopping_ = false;
-  ParticleBalance balance_;        ///< at the last check
+  ParticleBalance balance_;  ///< at the last check
   long lost_ = 0, ever_present_ = 0;
-  double clock_ = 0.0;             ///< DEM time at step clock_step_ [s]
+  double clock_ = 0.0;  ///< DEM time at step clock_step_ [s]
   long clock_step_ = 0;
-  double clock_time_step_ = 0.0;   ///< [s] since then
+  double clock_time_step_ = 0.0;  ///< [s] since then
 };
 
 /// The guard of this run, or nullptr.

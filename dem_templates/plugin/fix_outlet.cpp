@@ -29,7 +29,8 @@ void FixOutlet::init() {
                                "'. Define it before the run. See docs/dem_styles.md."});
 }
 
-// Here the contact histories are with the particles, the ghosts are about to be made anew: the one place where particles may go.
+// Here the contact histories are with the particles, the ghosts are about to be made anew: the one place where
+// particles may go.
 void FixOutlet::pre_exchange() {
   LAMMPS_NS::Region& region = *domain->regions[domain->find_region(region_.c_str())];
   long gone = 0;

@@ -31,7 +31,9 @@ double volume_of(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius *
 }  // namespace
 
 FixResize::FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
-  FixArguments arguments(fix_words(narg, arg), {{"population"}, {"axis"}, {"space"}, {"mesh", 1, true}, {"type"}, {"seed"}, {"overlap"}, {"sweeps"}});
+  FixArguments arguments(
+      fix_words(narg, arg),
+      {{"population"}, {"axis"}, {"space"}, {"mesh", 1, true}, {"type"}, {"seed"}, {"overlap"}, {"sweeps"}});
   const std::string file = arguments.text("population");
   options_.axis = arguments.axis("axis");
   space_ = arguments.text("space");
@@ -71,9 +73,10 @@ void FixResize::setup_pre_exchange() {
   apply(*plan);
 
   const State after = measure();
-  const std::string said = fmt::format("granary/{}; together {} -> {} particles, {:.6g} -> {:.6g} m^3, kinetic energy {:.4g} -> {:.4g} J\n",
-                                       describe(*plan, population_), before.particles, after.particles, before.volume, after.volume,
-                                       before.energy, after.energy);
+  const std::string said =
+      fmt::format("granary/{}; together {} -> {} particles, {:.6g} -> {:.6g} m^3, kinetic energy {:.4g} -> {:.4g} J\n",
+                  describe(*plan, population_), before.particles, after.particles, before.volume, after.volume,
+                  before.energy, after.energy);
   for (FILE* out : {screen, logfile})
     if (comm->me == 0 && out) std::fputs(said.c_str(), out);
 }
@@ -127,8 +130,11 @@ void FixResize::apply(const ResizePlan& plan) {
 
   const State got = measure();
   if (got.particles != plan.kept.size() + plan.inserted.size())
-    refuse(Error{fmt::format("{} particles were planned but {} are there: some places lie outside the simulation box. Make the box larger than "
-                             "the region '{}'.", plan.kept.size() + plan.inserted.size(), got.particles, space_)});
+    refuse(
+        Error{fmt::format("{} particles were planned but {} are there: some places lie outside the simulation box. "
+                          "Make the box larger than "
+                          "the region '{}'.",
+                          plan.kept.size() + plan.inserted.size(), got.particles, space_)});
 }
 
 void FixResize::remove(const ResizePlan& plan) {

@@ -1,5 +1,5 @@
-// fix ID GROUP granary/resize: makes the state hold the population of a file, once, when the next run starts. What to do is
-// decided in resize/; here it is done to LIGGGHTS' particles. Syntax: docs/dem_styles.md.
+// fix ID GROUP granary/resize: makes the state hold the population of a file, once, when the next run starts. What to
+// do is decided in resize/; here it is done to LIGGGHTS' particles. Syntax: docs/dem_styles.md.
 #pragma once
 
 #include <string>
@@ -26,8 +26,8 @@ class FixResize : public LAMMPS_NS::Fix {
  private:
   struct State {
     std::size_t particles = 0;
-    double volume = 0.0;   ///< [m^3]
-    double energy = 0.0;   ///< translational [J]
+    double volume = 0.0;  ///< [m^3]
+    double energy = 0.0;  ///< translational [J]
   };
 
   std::vector<Particle> gather_particles() const;

@@ -33,9 +33,16 @@ double square(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
 }  // namespace
 
 FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
-  FixArguments arguments(fix_words(narg, arg), {{"file"}, {"every"}, {"window"}, {"axis"},
-                                                {"compartments", FixArguments::kEdges}, {"classes", FixArguments::kEdges},
-                                                {"body", 3, true}, {"speed_bins", 3}, {"coarse_graining"}, {"seed"}});
+  FixArguments arguments(fix_words(narg, arg), {{"file"},
+                                                {"every"},
+                                                {"window"},
+                                                {"axis"},
+                                                {"compartments", FixArguments::kEdges},
+                                                {"classes", FixArguments::kEdges},
+                                                {"body", 3, true},
+                                                {"speed_bins", 3},
+                                                {"coarse_graining"},
+                                                {"seed"}});
   file_ = arguments.text("file");
   every_ = arguments.integer_or("every", 5, Range::at_least(1));
   window_steps_ = arguments.integer("window", Range::at_least(1));
@@ -57,12 +64,14 @@ FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
   }
   std::set<std::string> names;
   for (const auto& body : arguments.all("body")) {
-    if (body[1] != "mesh" && body[1] != "wall") arguments.problem("'body " + body[0] + "' is a 'mesh' or a 'wall', not '" + body[1] + "'.");
+    if (body[1] != "mesh" && body[1] != "wall")
+      arguments.problem("'body " + body[0] + "' is a 'mesh' or a 'wall', not '" + body[1] + "'.");
     if (!names.insert(body[0]).second) arguments.problem("two bodies are named '" + body[0] + "'.");
     layout_.bodies.push_back(body[0]);
     bodies_.push_back({body[0], body[1], body[2], nullptr});
   }
-  if (bodies_.size() > kMostBodies) arguments.problem("counts impacts on at most " + std::to_string(kMostBodies) + " bodies.");
+  if (bodies_.size() > kMostBodies)
+    arguments.problem("counts impacts on at most " + std::to_string(kMostBodies) + " bodies.");
   if (igroup != 0) arguments.problem("counts all particles: its group must be 'all'.");
   end_if_failed(world, arguments.status());
 
@@ -90,7 +99,8 @@ void FixTally::init() {
     auto wall = body.kind == "mesh" ? find_mesh_wall(*lmp, body.fix) : find_primitive_wall(*lmp, body.fix);
     require(wall.has_value(), wall ? "" : "body '" + body.name + "': " + wall.error().message);
     body.wall = std::move(wall).value();
-    require(body.wall->fix_index < modify->my_index(this), "must come after the wall/gran fix of body '" + body.name + "'.");
+    require(body.wall->fix_index < modify->my_index(this),
+            "must come after the wall/gran fix of body '" + body.name + "'.");
   }
 }
 
@@ -139,7 +149,8 @@ void FixTally::look(Purpose purpose) {
     last.bodies = bodies_touched_[static_cast<std::size_t>(i)];
   }
   ghost_velocity_.resize(static_cast<std::size_t>(atom->nghost));
-  for (int g = 0; g < atom->nghost; ++g) std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
+  for (int g = 0; g < atom->nghost; ++g)
+    std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
 }
 
 void FixTally::look_at_pairs(Purpose purpose) {
@@ -163,7 +174,8 @@ void FixTally::count_collision(int i, int j) {
   const double *vi = before(i), *vj = before(j);
   if (!vi || !vj) vi = atom->v[i], vj = atom->v[j];
   const double *xi = atom->x[i], *xj = atom->x[j];
-  const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, v[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
+  const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]},
+               v[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
   const double ri = atom->radius[i], rj = atom->radius[j];
   window_->collision(2.0 * ri, 2.0 * rj, 0.5 * (xi[layout_.axis] + xj[layout_.axis]), touch_speed(d, v, ri + rj));
 }
@@ -183,7 +195,8 @@ void FixTally::look_at_walls(Purpose purpose) {
   }
 }
 
-// The speed is that of the last look, when the wall had not pushed yet; a particle that is new here has only the present one.
+// The speed is that of the last look, when the wall had not pushed yet; a particle that is new here has only the
+// present one.
 void FixTally::count_impact(std::size_t body, const WallTouch& touch) {
   const auto approach = [&touch](const double* v) {
     double speed = 0.0;
@@ -252,8 +265,10 @@ void FixTally::leaves(int particle) {
 double FixTally::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
 
 void FixTally::close_window() {
-  MPI_Allreduce(MPI_IN_PLACE, window_->sums().data(), static_cast<int>(window_->sums().size()), MPI_DOUBLE, MPI_SUM, world);
-  MPI_Allreduce(MPI_IN_PLACE, window_->maxima().data(), static_cast<int>(window_->maxima().size()), MPI_DOUBLE, MPI_MAX, world);
+  MPI_Allreduce(MPI_IN_PLACE, window_->sums().data(), static_cast<int>(window_->sums().size()), MPI_DOUBLE, MPI_SUM,
+                world);
+  MPI_Allreduce(MPI_IN_PLACE, window_->maxima().data(), static_cast<int>(window_->maxima().size()), MPI_DOUBLE, MPI_MAX,
+                world);
   const ParticleBalance balance = count_particles(*lmp);
   const double time = dem_time(*lmp);
   const WindowEnd end{.time = time,
@@ -291,7 +306,9 @@ void FixTally::pre_exchange() {
 }
 
 void FixTally::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }
-void FixTally::copy_arrays(int from, int to, int) { book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to)); }
+void FixTally::copy_arrays(int from, int to, int) {
+  book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+}
 void FixTally::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
 
 int FixTally::pack_exchange(int particle, double* buffer) {

@@ -76,15 +76,15 @@ class FixTally : public LAMMPS_NS::Fix {
 
   std::optional<Window> window_;
   ContactBook book_;
-  std::vector<char> touching_;               ///< of each pair of the neighbour list, at the last look
-  bool flags_in_book_ = true;                ///< a new neighbour list is being made
+  std::vector<char> touching_;                         ///< of each pair of the neighbour list, at the last look
+  bool flags_in_book_ = true;                          ///< a new neighbour list is being made
   std::vector<std::array<double, 3>> ghost_velocity_;  ///< at the last look; empty after a new neighbour list
   std::vector<std::uint64_t> bodies_touched_;          ///< scratch: of each particle, at this look
-  std::optional<json::LineWriter> writer_;   ///< on rank 0, from the first run on
-  long window_start_ = 0, last_look_ = 0;    ///< steps
-  long looks_ = 0;                           ///< since the start of the window
-  double window_start_time_ = 0.0;           ///< DEM clock [s]
-  ParticleBalance balance_;                  ///< at the start of the window
+  std::optional<json::LineWriter> writer_;             ///< on rank 0, from the first run on
+  long window_start_ = 0, last_look_ = 0;              ///< steps
+  long looks_ = 0;                                     ///< since the start of the window
+  double window_start_time_ = 0.0;                     ///< DEM clock [s]
+  ParticleBalance balance_;                            ///< at the start of the window
   double largest_overlap_ = 0.0;
 };
 

@@ -22,9 +22,9 @@ constexpr int kLiggghtsGaveUp = 1;  // Error::all and Error::one know no other c
 // The errors of LIGGGHTS end the program from within: there is no caller to hand this to.
 struct Watch {
   LAMMPS_NS::LAMMPS* lammps = nullptr;
-  FILE* screen = nullptr;      // where its output goes on to; may be none
-  std::string line;            // the line being printed
-  std::string error;           // the first line that began with ERROR
+  FILE* screen = nullptr;  // where its output goes on to; may be none
+  std::string line;        // the line being printed
+  std::string error;       // the first line that began with ERROR
 } watch;
 
 ssize_t read_along(void*, const char* text, std::size_t size) {
@@ -63,8 +63,10 @@ int exit_code() {
 int explain() {
   std::fflush(nullptr);
   const std::string& said = watch.error.empty() ? watch.line : watch.error;
-  if (!said.empty()) std::fprintf(stderr, "granary-dem: LIGGGHTS: %s\n", said.c_str());
-  else if (!watch.lammps) std::fputs("granary-dem: LIGGGHTS could not start with these arguments. See granary-dem --help\n", stderr);
+  if (!said.empty())
+    std::fprintf(stderr, "granary-dem: LIGGGHTS: %s\n", said.c_str());
+  else if (!watch.lammps)
+    std::fputs("granary-dem: LIGGGHTS could not start with these arguments. See granary-dem --help\n", stderr);
   std::fflush(nullptr);
   return exit_code();
 }

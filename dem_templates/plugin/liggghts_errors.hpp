@@ -2,7 +2,6 @@
 // goes to stderr, and the exit code tells bad input (2) from a run that diverged (20) or failed (3).
 #pragma once
 
-
 namespace LAMMPS_NS {
 class LAMMPS;
 }

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include <lammps.h>
 #include <domain.h>
 #include <fix_mesh_surface.h>
+#include <lammps.h>
 #include <modify.h>
 #include <region.h>
 #include <tri_mesh.h>
@@ -20,10 +20,13 @@ namespace {
 class MachineSpace : public FreeSpace {
  public:
   MachineSpace(LAMMPS_NS::LAMMPS& lammps, LAMMPS_NS::Region& region, Triangles triangles)
-      : region_(region), triangles_(std::move(triangles)), low_{lammps.domain->boxlo[0], lammps.domain->boxlo[1], lammps.domain->boxlo[2]},
+      : region_(region),
+        triangles_(std::move(triangles)),
+        low_{lammps.domain->boxlo[0], lammps.domain->boxlo[1], lammps.domain->boxlo[2]},
         high_{lammps.domain->boxhi[0], lammps.domain->boxhi[1], lammps.domain->boxhi[2]} {
     if (!region.bboxflag) return;
-    const Vector3 from{region.extent_xlo, region.extent_ylo, region.extent_zlo}, to{region.extent_xhi, region.extent_yhi, region.extent_zhi};
+    const Vector3 from{region.extent_xlo, region.extent_ylo, region.extent_zlo},
+        to{region.extent_xhi, region.extent_yhi, region.extent_zhi};
     for (std::size_t d = 0; d < 3; ++d) {
       low_[d] = std::max(low_[d], from[d]);
       high_[d] = std::min(high_[d], to[d]);

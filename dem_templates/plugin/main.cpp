@@ -6,17 +6,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
 
-#include <lammps.h>
 #include <input.h>
+#include <lammps.h>
 
 #include "common/version.hpp"
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/liggghts_errors.hpp"
 #include "dem_templates/plugin/register_styles.hpp"
+#include "dem_templates/plugin/state_file.hpp"
 #include "dem_templates/plugin/stop_signal.hpp"
 
 namespace {
@@ -24,32 +24,25 @@ namespace {
 constexpr const char* kHelp =
     "Usage: granary-dem -in FILE [-log FILE] [-screen FILE|none] [-echo none|screen|log|both] [-var NAME VALUE...]\n"
     "\n"
-    "LIGGGHTS 3.8.0 with the fixes granary/tally, granary/outlet, granary/guard and granary/resize (docs/dem_styles.md).\n"
+    "LIGGGHTS 3.8.0 with the fixes granary/tally, granary/outlet, granary/guard and granary/resize "
+    "(docs/dem_styles.md).\n"
     "Over several ranks: mpirun -n 2 granary-dem -in FILE\n"
     "\n"
     "SIGTERM, SIGINT, SIGUSR1 (the one mpirun passes on): finish the step, write the restart file, end.\n"
     "Ends with 0 done or stopped, 2 bad input, 3 LIGGGHTS failed on the way, 20 diverged.\n";
 
-// The input script was left early: what it would have written at its end is written here, whole or not at all.
-void write_last_state(LAMMPS_NS::LAMMPS& lammps, const std::string& file) {
-  namespace fs = std::filesystem;
-  const std::string unfinished = file + ".part";
-  lammps.input->one(("write_restart " + unfinished).c_str());
+// Whatever the script did: the state it ends with is on disk, or the program fails.
+void write_last_state(LAMMPS_NS::LAMMPS& lammps) {
+  const granary::dem::FixGuard* guard = granary::dem::find_guard(lammps);
+  if (!guard || !guard->started()) return;
+  granary::dem::end_if_failed(lammps.world, granary::dem::write_state(lammps, guard->restart_file()));
   int rank = 0;
   MPI_Comm_rank(lammps.world, &rank);
-  granary::Status moved;
-  if (rank == 0) {
-    std::error_code error;
-    fs::rename(unfinished, file, error);
-    if (error) moved = granary::Error{"cannot rename " + unfinished + " to " + file + ": " + error.message(), granary::Exit::task_failed};
-    else std::fprintf(stderr, "granary-dem: stopped as asked; the state is in %s\n", file.c_str());
-  }
-  granary::dem::end_if_failed(lammps.world, moved);
+  if (rank == 0 && guard->stopping())
+    std::fprintf(stderr, "granary-dem: stopped as asked; the state is in %s\n", guard->restart_file().c_str());
 }
 
-bool given(int argc, char** argv, const char* word) {
-  return argc > 1 && std::strcmp(argv[1], word) == 0;
-}
+bool given(int argc, char** argv, const char* word) { return argc > 1 && std::strcmp(argv[1], word) == 0; }
 
 const char* input_script(int argc, char** argv) {
   for (int i = 1; i + 1 < argc; ++i)
@@ -62,7 +55,8 @@ const char* input_script(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (given(argc, argv, "--help") || given(argc, argv, "-h")) return std::fputs(kHelp, stdout), 0;
   if (given(argc, argv, "--version")) {
-    std::printf("granary-dem %s (%s), LIGGGHTS 3.8.0\n", std::string(granary::version()).c_str(), std::string(granary::revision()).c_str());
+    std::printf("granary-dem %s (%s), LIGGGHTS 3.8.0\n", std::string(granary::version()).c_str(),
+                std::string(granary::revision()).c_str());
     return 0;
   }
   if (argc < 2) return std::fputs(kHelp, stderr), static_cast<int>(granary::Exit::bad_input);
@@ -80,8 +74,7 @@ int main(int argc, char** argv) {
     granary::dem::watch_liggghts_errors(lammps);
     granary::dem::register_styles(lammps);
     lammps.input->file();
-    if (const auto* guard = granary::dem::find_guard(lammps); guard && guard->stopping())
-      write_last_state(lammps, guard->restart_file());
+    write_last_state(lammps);
     granary::dem::forget_liggghts();
   }
   MPI_Finalize();

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include <lammps.h>
 #include <atom.h>
 #include <fix_contact_history_mesh.h>
 #include <fix_mesh_surface.h>
 #include <fix_property_atom.h>
 #include <fix_wall_gran.h>
+#include <lammps.h>
 #include <modify.h>
 #include <primitive_wall.h>
 #include <tri_mesh.h>
@@ -115,7 +115,9 @@ Result<std::unique_ptr<Wall>> find_mesh_wall(LAMMPS_NS::LAMMPS& lammps, const st
     }
   });
   if (!found) return Error{"no wall/gran fix uses a mesh '" + mesh_fix + "'."};
-  if (!history) return Error{"the wall/gran fix of mesh '" + mesh_fix + "' keeps no contact history: give it 'tangential history'."};
+  if (!history)
+    return Error{"the wall/gran fix of mesh '" + mesh_fix +
+                 "' keeps no contact history: give it 'tangential history'."};
   return found;
 }
 
@@ -136,7 +138,8 @@ std::vector<std::unique_ptr<Wall>> find_all_walls(LAMMPS_NS::LAMMPS& lammps) {
       return;
     }
     for (int m = 0; m < wall.n_meshes(); ++m)
-      if (wall.mesh_list()[m]->contactHistory()) walls.push_back(std::make_unique<MeshWall>(lammps, *wall.mesh_list()[m], index));
+      if (wall.mesh_list()[m]->contactHistory())
+        walls.push_back(std::make_unique<MeshWall>(lammps, *wall.mesh_list()[m], index));
   });
   return walls;
 }

@@ -17,10 +17,10 @@ namespace granary::dem {
 
 /// A particle of this rank touches a body.
 struct WallTouch {
-  int particle = 0;                     ///< local index
-  double overlap = 0.0;                 ///< over the particle's radius
-  std::array<double, 3> normal{};       ///< unit vector from the wall to the particle's centre
-  std::array<double, 3> velocity{};     ///< of the wall at the touch [m/s]
+  int particle = 0;                  ///< local index
+  double overlap = 0.0;              ///< over the particle's radius
+  std::array<double, 3> normal{};    ///< unit vector from the wall to the particle's centre
+  std::array<double, 3> velocity{};  ///< of the wall at the touch [m/s]
 };
 
 class Wall {

@@ -1,4 +1,5 @@
-// Small LIGGGHTS decks for the tests of our styles: written into a folder of their own, run with granary-dem, read back.
+// Small LIGGGHTS decks for the tests of our styles: written into a folder of their own, run with granary-dem, read
+// back.
 #pragma once
 
 #include <sys/wait.h>
@@ -44,7 +45,8 @@ class Folder {
 inline std::string program() { return std::string(GRANARY_BIN_DIR) + "/granary-dem"; }
 
 inline std::string mpirun(int ranks) {
-  return "mpirun --allow-run-as-root --oversubscribe --bind-to none --mca pml ob1 --mca btl self,vader -n " + std::to_string(ranks) + " ";
+  return "mpirun --allow-run-as-root --oversubscribe --bind-to none --mca pml ob1 --mca btl self,vader -n " +
+         std::to_string(ranks) + " ";
 }
 
 /// Runs a shell line in the folder; its exit code. stdout goes to `out`, stderr to `err` there.
@@ -68,7 +70,8 @@ inline std::string head(const std::string& box, const std::string& boundary = "f
 }
 
 /// Contacts of restitution e and friction mu, soft enough for a time step of 5e-6 s with particles of some millimetres.
-inline std::string physics(double restitution = 0.9, double friction = 0.0, double time_step = 5e-6, double skin = 0.001) {
+inline std::string physics(double restitution = 0.9, double friction = 0.0, double time_step = 5e-6,
+                           double skin = 0.001) {
   std::ostringstream text;
   text << "neighbor " << skin << " bin\nneigh_modify delay 0\n"
        << "fix m1 all property/global youngsModulus peratomtype 5e6\n"
@@ -92,13 +95,15 @@ inline std::string particles(const std::vector<TestParticle>& list) {
     const TestParticle& p = list[i];
     const std::size_t id = i + 1;
     text << "create_atoms 1 single " << p.x << " " << p.y << " " << p.z << " units box\n"
-         << "set atom " << id << " density 1000 diameter " << p.diameter << " vx " << p.vx << " vy " << p.vy << " vz " << p.vz << "\n";
+         << "set atom " << id << " density 1000 diameter " << p.diameter << " vx " << p.vx << " vy " << p.vy << " vz "
+         << p.vz << "\n";
   }
   return text.str();
 }
 
 inline std::string tally(const std::string& more, int every = 5, int window = 1000) {
-  return "fix tally all granary/tally file tallies.jsonl every " + std::to_string(every) + " window " + std::to_string(window) + " " + more + "\n";
+  return "fix tally all granary/tally file tallies.jsonl every " + std::to_string(every) + " window " +
+         std::to_string(window) + " " + more + "\n";
 }
 
 /// tallies.jsonl as read back: what was counted over all windows.
@@ -141,8 +146,10 @@ struct Counted {
     double sum = 0.0;
     for (const json::Value& window : windows) {
       const json::Value& value = window[name];
-      if (value.is_number()) sum += value.as_number();
-      else for (double n : value.numbers()) sum += n;
+      if (value.is_number())
+        sum += value.as_number();
+      else
+        for (double n : value.numbers()) sum += n;
     }
     return sum;
   }

@@ -60,6 +60,29 @@ TEST_P(GuardOn, SaysWhichFileADiskIsFullFor) {
   EXPECT_NE(folder.read("err").find("No space left"), std::string::npos);
 }
 
+TEST_P(GuardOn, SaysThatTheStateCouldNotBeWritten) {
+  const Folder folder;
+  fs::create_directory(folder / "state.part");  // as good as a full disk: the file cannot be made
+  EXPECT_EQ(run_deck(folder, head_on(5e-6, 1.0, kGuard + "restart state\nrun 100\n"), GetParam()), 3);
+  EXPECT_NE(folder.read("err").find("the state cannot be written to state.part"), std::string::npos)
+      << folder.read("err");
+
+  fs::create_symlink("/dev/full", folder / "other.part");
+  EXPECT_EQ(run_deck(folder, head_on(5e-6, 1.0, kGuard + "restart other\nrun 100\n"), GetParam()), 3);
+  EXPECT_NE(folder.read("err").find("No space left"), std::string::npos) << folder.read("err");
+  EXPECT_FALSE(fs::exists(folder / "other"));
+}
+
+TEST(GranaryDem, LeavesItsStateAfterAScriptThatRanToItsEnd) {
+  const Folder folder;
+  ASSERT_EQ(run_deck(folder, head_on(5e-6, 1.0, kGuard + "restart state\nrun 100\nwrite_restart by_script\n")), 0)
+      << folder.read("err");
+  EXPECT_EQ(folder.read("state").size(), folder.read("by_script").size());
+  EXPECT_EQ(run_deck(folder, head("state") + physics() + kGuard + "\n" + tally(kOneBin, 5, 100) + "run 100\n"), 0)
+      << folder.read("err");
+  EXPECT_NEAR(last_line(folder).number_or("time_s", 0), 200 * 5e-6, 1e-12);
+}
+
 TEST_P(GuardOn, RefusesBadInputWithExitCode2) {
   const Folder folder;
   EXPECT_EQ(run_deck(folder, head_on(5e-6, 1.0, "fix t all granary/tally fiel x\n"), GetParam()), 2);
@@ -80,7 +103,9 @@ TEST(GranaryDem, NamesAnInputScriptThatIsNotThere) {
 
 // Starts the deck, waits until it has written a window, sends the signal; the exit code.
 int stop_with(const Folder& folder, const std::string& signal, int ranks) {
-  folder.write("in.liggghts", head_on(5e-6, 0.01, kGuard + "restart state.liggghts\n" + tally(kOneBin, 5, 10000) + "run 2000000000\n"));
+  folder.write(
+      "in.liggghts",
+      head_on(5e-6, 0.01, kGuard + "restart state.liggghts\n" + tally(kOneBin, 5, 10000) + "run 2000000000\n"));
   return shell(folder, (ranks > 1 ? mpirun(ranks) : std::string("exec ")) + program() + " -in in.liggghts & p=$!; " +
                            "until [ \"$(cat tallies.jsonl 2> none | wc -l)\" -ge 2 ]; do sleep 0.05; done; " +
                            "kill -" + signal + " $p; wait $p");
@@ -94,7 +119,9 @@ TEST(GranaryDem, WritesItsStateAndEndsWith0WhenAskedToStop) {
 
     const json::Value stopped = last_line(folder);
     fs::remove(folder / "tallies.jsonl");
-    EXPECT_EQ(run_deck(folder, head("state.liggghts") + physics() + kGuard + "\n" + tally(kOneBin, 5, 100) + "run 100\n"), 0) << folder.read("err");
+    EXPECT_EQ(
+        run_deck(folder, head("state.liggghts") + physics() + kGuard + "\n" + tally(kOneBin, 5, 100) + "run 100\n"), 0)
+        << folder.read("err");
     EXPECT_NEAR(last_line(folder).number_or("time_s", 0), stopped.number_or("time_s", 9) + 100 * 5e-6, 1e-9);
   }
 }

@@ -1,5 +1,5 @@
-// granary/resize on real LIGGGHTS states: filled from nothing, and resized from a restart. The machine: an annulus along
-// x, closed at its ends, with a paddle in it.
+// granary/resize on real LIGGGHTS states: filled from nothing, and resized from a restart. The machine: an annulus
+// along x, closed at its ends, with a paddle in it.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -22,11 +22,14 @@ std::string population(const Sizes& left, const Sizes& right) {
   for (const Sizes* sizes : {&left, &right}) {
     json::Value counts = json::Value::array();
     for (long n : sizes->counts) counts.push(static_cast<std::int64_t>(n));
-    compartments.push(json::Value::object({{"from_m", from}, {"to_m", from + kHalf}, {"diameters_m", sizes->diameters}, {"counts", counts}}));
+    compartments.push(json::Value::object(
+        {{"from_m", from}, {"to_m", from + kHalf}, {"diameters_m", sizes->diameters}, {"counts", counts}}));
     from += kHalf;
   }
-  return json::dump(json::Value::object(
-      {{"format", "granary-population-1"}, {"density_kg_m3", 1000.0}, {"coarse_graining", 1.0}, {"compartments", compartments}}));
+  return json::dump(json::Value::object({{"format", "granary-population-1"},
+                                         {"density_kg_m3", 1000.0},
+                                         {"coarse_graining", 1.0},
+                                         {"compartments", compartments}}));
 }
 
 double volume(const Sizes& sizes) {
@@ -37,16 +40,20 @@ double volume(const Sizes& sizes) {
 }
 
 void write_paddle(const Folder& folder) {
-  const auto corner = [](double x, double y) { return "vertex " + std::to_string(x) + " " + std::to_string(y) + " 0.0\n"; };
+  const auto corner = [](double x, double y) {
+    return "vertex " + std::to_string(x) + " " + std::to_string(y) + " 0.0\n";
+  };
   const std::string a = corner(0.02, 0.011), b = corner(0.04, 0.011), c = corner(0.04, 0.028), d = corner(0.02, 0.028);
   std::string stl = "solid paddle\n";
-  for (const std::string& facet : {a + b + c, a + c + d}) stl += "facet normal 0 0 1\nouter loop\n" + facet + "endloop\nendfacet\n";
+  for (const std::string& facet : {a + b + c, a + c + d})
+    stl += "facet normal 0 0 1\nouter loop\n" + facet + "endloop\nendfacet\n";
   folder.write("paddle.stl", stl + "endsolid paddle\n");
 }
 
 std::string machine(const std::string& start) {
   return head(start) + physics(0.4, 0.5, 2e-5) +
-         "region shell cylinder x 0 0 0.03 0 0.06 units box side in\nregion shaft cylinder x 0 0 0.01 -1 1 units box side out\n"
+         "region shell cylinder x 0 0 0.03 0 0.06 units box side in\nregion shaft cylinder x 0 0 0.01 -1 1 units box "
+         "side out\n"
          "region inside intersect 2 shell shaft\n"
          "fix g all gravity 9.81 vector 0 0 -1\n"
          "fix w1 all wall/gran model hertz tangential history primitive type 1 xplane 0\n"
@@ -59,11 +66,15 @@ std::string machine(const std::string& start) {
 }
 
 const std::string kBox = "-0.001 0.061 -0.031 0.031 -0.031 0.031";
-const std::string kResize = "fix resize all granary/resize population population.json axis x space inside mesh paddle seed 7\n";
-const std::string kDump = "dump d all custom 100000 dump.txt id x y z radius vx vy vz density mass\n"
-                          "dump_modify d first yes sort id format \"%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\"\n";
-const std::string kTally = tally("axis x compartments 2 0 0.03 0.06 classes 2 0.001 0.0035 0.006 body paddle mesh paddle body w1 wall w1 "
-                                 "body w2 wall w2 body w3 wall w3 body w4 wall w4", 5, 500);
+const std::string kResize =
+    "fix resize all granary/resize population population.json axis x space inside mesh paddle seed 7\n";
+const std::string kDump =
+    "dump d all custom 100000 dump.txt id x y z radius vx vy vz density mass\n"
+    "dump_modify d first yes sort id format \"%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\"\n";
+const std::string kTally = tally(
+    "axis x compartments 2 0 0.03 0.06 classes 2 0.001 0.0035 0.006 body paddle mesh paddle body w1 wall w1 "
+    "body w2 wall w2 body w3 wall w3 body w4 wall w4",
+    5, 500);
 
 struct Row {
   double x[3], r, v[3], density, mass;
@@ -79,7 +90,8 @@ std::map<int, Row> first_dump(const Folder& folder) {
   for (std::size_t k = 0; k < n; ++k) {
     int id = 0;
     Row row;
-    in >> id >> row.x[0] >> row.x[1] >> row.x[2] >> row.r >> row.v[0] >> row.v[1] >> row.v[2] >> row.density >> row.mass;
+    in >> id >> row.x[0] >> row.x[1] >> row.x[2] >> row.r >> row.v[0] >> row.v[1] >> row.v[2] >> row.density >>
+        row.mass;
     rows[id] = row;
   }
   EXPECT_EQ(rows.size(), n);
@@ -91,8 +103,10 @@ double largest_overlap(const std::map<int, Row>& rows) {
   for (auto a = rows.begin(); a != rows.end(); ++a) {
     const Row& p = a->second;
     const double rho = std::hypot(p.x[1], p.x[2]);
-    for (double gap : {p.x[0], 2 * kHalf - p.x[0], kOuter - rho, rho - kInner}) worst = std::max(worst, 1.0 - gap / p.r);
-    const double to_paddle = std::hypot(std::max({0.0, 0.02 - p.x[0], p.x[0] - 0.04}), std::max({0.0, 0.011 - p.x[1], p.x[1] - 0.028}), p.x[2]);
+    for (double gap : {p.x[0], 2 * kHalf - p.x[0], kOuter - rho, rho - kInner})
+      worst = std::max(worst, 1.0 - gap / p.r);
+    const double to_paddle = std::hypot(std::max({0.0, 0.02 - p.x[0], p.x[0] - 0.04}),
+                                        std::max({0.0, 0.011 - p.x[1], p.x[1] - 0.028}), p.x[2]);
     worst = std::max(worst, 1.0 - to_paddle / p.r);
     for (auto b = rows.begin(); b != a; ++b) {
       const Row& q = b->second;
@@ -112,8 +126,10 @@ void expect_holds(const std::map<int, Row>& rows, const Sizes& left, const Sizes
     EXPECT_NEAR(row.mass, 1000.0 * 4.0 / 3.0 * std::numbers::pi * std::pow(row.r, 3), 1e-9 * row.mass);
     EXPECT_EQ(row.density, 1000.0);
   }
-  for (std::size_t k = 0; k < left.counts.size(); ++k) asked[{false, std::lround(1e6 * left.diameters[k])}] = left.counts[k];
-  for (std::size_t k = 0; k < right.counts.size(); ++k) asked[{true, std::lround(1e6 * right.diameters[k])}] = right.counts[k];
+  for (std::size_t k = 0; k < left.counts.size(); ++k)
+    asked[{false, std::lround(1e6 * left.diameters[k])}] = left.counts[k];
+  for (std::size_t k = 0; k < right.counts.size(); ++k)
+    asked[{true, std::lround(1e6 * right.diameters[k])}] = right.counts[k];
   EXPECT_EQ(found, asked);
   EXPECT_NEAR(total, volume(left) + volume(right), 1e-9 * total);
 }
@@ -160,7 +176,9 @@ TEST_F(Resize, ChangesASettledBedAndLeavesItCalm) {
   for (const Change& change : changes) {
     SCOPED_TRACE(change.name);
     folder.write("population.json", population(change.left, change.right));
-    ASSERT_EQ(run_deck(folder, machine("settled") + kResize + kDump + "run 2000\nunfix resize\n" + kTally + "run 500\n"), 0) << folder.read("err");
+    ASSERT_EQ(
+        run_deck(folder, machine("settled") + kResize + kDump + "run 2000\nunfix resize\n" + kTally + "run 500\n"), 0)
+        << folder.read("err");
 
     const auto rows = first_dump(folder);
     expect_holds(rows, change.left, change.right);
@@ -182,7 +200,8 @@ TEST_F(Resize, ChangesASettledBedAndLeavesItCalm) {
 TEST_F(Resize, AFallingBedCountsTheSameOnOneAndOnTwoRanks) {
   std::vector<double> collisions, impacts;
   for (int ranks : {1, 2}) {
-    ASSERT_EQ(run_deck(folder, machine(kBox) + kResize + "run 3000\nunfix resize\n" + kTally + "run 3000\n", ranks), 0) << folder.read("err");
+    ASSERT_EQ(run_deck(folder, machine(kBox) + kResize + "run 3000\nunfix resize\n" + kTally + "run 3000\n", ranks), 0)
+        << folder.read("err");
     const Counted counted(folder);
     collisions.push_back(counted.all_collisions());
     impacts.push_back(counted.impacts("w3") + counted.impacts("w4") + counted.impacts("paddle"));
@@ -205,8 +224,10 @@ TEST_F(Resize, KeepsPlacesAndVelocitiesOfParticlesThatStayAsTheyAre) {
     Sizes& sizes = now[row.x[0] >= kHalf];
     const double diameter = 2.0 * row.r;
     const auto at = std::find(sizes.diameters.begin(), sizes.diameters.end(), diameter);
-    if (at != sizes.diameters.end()) ++sizes.counts[static_cast<std::size_t>(at - sizes.diameters.begin())];
-    else sizes.diameters.push_back(diameter), sizes.counts.push_back(1);
+    if (at != sizes.diameters.end())
+      ++sizes.counts[static_cast<std::size_t>(at - sizes.diameters.begin())];
+    else
+      sizes.diameters.push_back(diameter), sizes.counts.push_back(1);
   }
   folder.write("population.json", population(now[false], now[true]));
   std::string resize = kResize;

@@ -43,9 +43,10 @@ TEST(Tally, TakesAContactThatLivesAcrossARestartAsOne) {
 // The ranks meet at x = 0; the pair touches from about x = -1.5 mm to 1.7 mm.
 TEST(Tally, CountsAPairOnceThatCrossesFromOneRankToTheOther) {
   const Folder folder;
-  const std::string deck = head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
-                           particles({{-0.0215, -0.004, 0, 10.0, 1.0, 0, 0.004}, {-0.0215, 0.004, 0, 10.0, -1.0, 0, 0.004}}) +
-                           tally(kOneBin) + "run 800\n";
+  const std::string deck =
+      head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
+      particles({{-0.0215, -0.004, 0, 10.0, 1.0, 0, 0.004}, {-0.0215, 0.004, 0, 10.0, -1.0, 0, 0.004}}) +
+      tally(kOneBin) + "run 800\n";
   ASSERT_EQ(run_deck(folder, deck, 2), 0) << folder.read("err");
   EXPECT_EQ(Counted(folder).all_collisions(), 1.0);
 }
@@ -54,7 +55,8 @@ TEST(Tally, CountsThreeBouncesWithTheSpeedsOfFreeFall) {
   const Folder folder;
   const double height = 0.02, speed = std::sqrt(2 * kGravity * height);
   const std::string deck = head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) +
-                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) + "fix g all gravity 9.81 vector 0 0 -1\n" +
+                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) +
+                           "fix g all gravity 9.81 vector 0 0 -1\n" +
                            "fix floor all wall/gran model hertz tangential history primitive type 1 zplane 0.0\n" +
                            tally(kOneBin + "body floor wall floor", 5, 2000) + "run 66000\n";
   ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
@@ -82,11 +84,11 @@ TEST(Tally, TakesTheSharedEdgeOfTwoTrianglesAsOneImpact) {
   folder.write("plate.stl", solid(triangle({{{-0.015, -0.015, 0}, {0.015, -0.015, 0}, {0.015, 0.015, 0}}}) +
                                   triangle({{{-0.015, -0.015, 0}, {0.015, 0.015, 0}, {-0.015, 0.015, 0}}})));
   const double height = 0.01;
-  const std::string deck = head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) +
-                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) + "fix g all gravity 9.81 vector 0 0 -1\n" +
-                           "fix plate all mesh/surface file plate.stl type 1\n" +
-                           "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes plate\n" +
-                           tally(kOneBin + "body plate mesh plate") + "run 14000\n";
+  const std::string deck =
+      head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) + particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) +
+      "fix g all gravity 9.81 vector 0 0 -1\n" + "fix plate all mesh/surface file plate.stl type 1\n" +
+      "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes plate\n" +
+      tally(kOneBin + "body plate mesh plate") + "run 14000\n";
   ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
 
   const Counted counted(folder);
@@ -100,11 +102,12 @@ TEST(Tally, TakesTheSpeedOfAMovingWallIntoAccount) {
   folder.write("paddle.stl", solid(triangle({{{0.01, 0, -0.01}, {0.05, 0, -0.01}, {0.05, 0, 0.01}}}) +
                                    triangle({{{0.01, 0, -0.01}, {0.05, 0, 0.01}, {0.01, 0, 0.01}}})));
   const double omega = 10.0, radius = 0.002;
-  const std::string deck = head("-0.08 0.08 -0.08 0.08 -0.02 0.02") + physics(0.9) + particles({{0.03, 0.01, 0, 0, 0, 0, 2 * radius}}) +
-                           "fix paddle all mesh/surface file paddle.stl type 1\n" +
-                           "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes paddle\n" +
-                           "fix turn all move/mesh mesh paddle rotate origin 0 0 0 axis 0 0 1 period " + std::to_string(2 * M_PI / omega) + "\n" +
-                           tally(kOneBin + "body paddle mesh paddle") + "run 8000\n";
+  const std::string deck =
+      head("-0.08 0.08 -0.08 0.08 -0.02 0.02") + physics(0.9) + particles({{0.03, 0.01, 0, 0, 0, 0, 2 * radius}}) +
+      "fix paddle all mesh/surface file paddle.stl type 1\n" +
+      "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes paddle\n" +
+      "fix turn all move/mesh mesh paddle rotate origin 0 0 0 axis 0 0 1 period " + std::to_string(2 * M_PI / omega) +
+      "\n" + tally(kOneBin + "body paddle mesh paddle") + "run 8000\n";
   const double expected = omega * std::sqrt(0.03 * 0.03 + 0.01 * 0.01 - radius * radius);
 
   for (int ranks : {1, 2}) {
@@ -118,10 +121,11 @@ TEST(Tally, TakesTheSpeedOfAMovingWallIntoAccount) {
 
 TEST(Tally, CountsWhoCrossesEdgesAndWhoLeaves) {
   const Folder folder;
-  const std::string deck = head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
-                           particles({{-0.03, 0, -0.01, 2, 0, 0, 0.004}, {-0.02, 0, 0, 2, 0, 0, 0.004}, {0.01, 0, 0.01, -1, 0, 0, 0.004}}) +
-                           "region end block 0.03 0.05 INF INF INF INF units box\nfix out all granary/outlet region end\n" +
-                           tally("axis x compartments 2 -0.05 0 0.03 classes 1 0.001 0.01") + "run 7000\n";
+  const std::string deck =
+      head("-0.05 0.05 -0.02 0.02 -0.02 0.02") + physics() +
+      particles({{-0.03, 0, -0.01, 2, 0, 0, 0.004}, {-0.02, 0, 0, 2, 0, 0, 0.004}, {0.01, 0, 0.01, -1, 0, 0, 0.004}}) +
+      "region end block 0.03 0.05 INF INF INF INF units box\nfix out all granary/outlet region end\n" +
+      tally("axis x compartments 2 -0.05 0 0.03 classes 1 0.001 0.01") + "run 7000\n";
   for (int ranks : {1, 2}) {
     ASSERT_EQ(run_deck(folder, deck, ranks), 0) << folder.read("err");
     const Counted counted(folder);
@@ -143,7 +147,12 @@ std::string gas() {
   std::uniform_real_distribution<double> place(0.0, kSide), speed(-1.5, 1.5);
   std::vector<TestParticle> list;
   while (list.size() < 150) {
-    const TestParticle p{place(random), place(random), place(random), speed(random), speed(random), speed(random),
+    const TestParticle p{place(random),
+                         place(random),
+                         place(random),
+                         speed(random),
+                         speed(random),
+                         speed(random),
                          list.size() % 2 ? 0.003 : 0.004};
     const auto overlaps = [&](const TestParticle& q) {
       double d2 = 0.0;
@@ -171,8 +180,12 @@ std::vector<std::vector<double>> count_by_hand(const fs::path& dump) {
     if (line != "ITEM: NUMBER OF ATOMS") continue;
     std::getline(in, line);
     const int n = std::stoi(line);
-    while (std::getline(in, line) && line.rfind("ITEM: ATOMS", 0) != 0) {}
-    struct Row { int id; double x[3], r; };
+    while (std::getline(in, line) && line.rfind("ITEM: ATOMS", 0) != 0) {
+    }
+    struct Row {
+      int id;
+      double x[3], r;
+    };
     std::vector<Row> rows(static_cast<std::size_t>(n));
     for (Row& row : rows) in >> row.id >> row.x[0] >> row.x[1] >> row.x[2] >> row.r;
     std::set<std::pair<int, int>> now;
@@ -200,7 +213,8 @@ std::vector<std::vector<double>> count_by_hand(const fs::path& dump) {
 
 TEST(Tally, AgreesWithACountByHandFromThePositionsOfEveryStep) {
   const Folder folder;
-  const std::string dump = "dump d all custom 1 dump.txt id x y z radius\ndump_modify d format \"%d %.17g %.17g %.17g %.17g\"\n";
+  const std::string dump =
+      "dump d all custom 1 dump.txt id x y z radius\ndump_modify d format \"%d %.17g %.17g %.17g %.17g\"\n";
   ASSERT_EQ(run_deck(folder, gas_deck(1, dump + "run 2000\n")), 0) << folder.read("err");
 
   const auto counted = Counted(folder).collisions();
@@ -248,7 +262,9 @@ TEST(Tally, LosesNothingOverARestartAndItsClockGoesOn) {
   const Counted whole(folder);
   ASSERT_EQ(run_deck(folder, gas_deck(5, guard + "run 1450\nwrite_restart middle\n")), 0) << folder.read("err");
   const Counted before(folder);
-  ASSERT_EQ(run_deck(folder, head("middle", "p p p") + physics(0.95, 0.2) + guard + tally(kGasBins, 5, 500) + "run 1550\n"), 0)
+  ASSERT_EQ(
+      run_deck(folder, head("middle", "p p p") + physics(0.95, 0.2) + guard + tally(kGasBins, 5, 500) + "run 1550\n"),
+      0)
       << folder.read("err");
   const Counted after(folder);
 

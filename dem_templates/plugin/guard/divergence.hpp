@@ -11,25 +11,25 @@ namespace granary::dem {
 
 /// Beyond these a run has diverged.
 struct Bounds {
-  double overlap = 0.2;                ///< of the smaller particle's radius
-  std::optional<double> energy;        ///< translational kinetic energy of all particles [J]
-  double lost_fraction = 0.02;         ///< of all particles that ever were in it
+  double overlap = 0.2;          ///< of the smaller particle's radius
+  std::optional<double> energy;  ///< translational kinetic energy of all particles [J]
+  double lost_fraction = 0.02;   ///< of all particles that ever were in it
 };
 
 /// How the run is doing, over all ranks.
 struct Vitals {
-  bool finite = true;                  ///< all positions and velocities are numbers
-  double overlap = 0.0;                ///< largest since the last check
-  double energy = 0.0;                 ///< [J]
-  long lost = 0;                       ///< since the start
-  long ever_present = 0;               ///< at the start, or inserted since
+  bool finite = true;     ///< all positions and velocities are numbers
+  double overlap = 0.0;   ///< largest since the last check
+  double energy = 0.0;    ///< [J]
+  long lost = 0;          ///< since the start
+  long ever_present = 0;  ///< at the start, or inserted since
 };
 
 struct Divergence {
-  std::string cause;                   ///< nan, overlap, energy, lost
+  std::string cause;  ///< nan, overlap, energy, lost
   double value = 0.0, bound = 0.0;
-  std::string message;                 ///< cause, value, bound and what to do
-  std::vector<std::string> settings;   ///< JSON pointers of the workflow settings to look at
+  std::string message;                ///< cause, value, bound and what to do
+  std::vector<std::string> settings;  ///< JSON pointers of the workflow settings to look at
 };
 
 /// The worst cause first: numbers that are none, overlap, energy, losses.

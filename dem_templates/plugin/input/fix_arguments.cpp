@@ -31,12 +31,14 @@ void FixArguments::read(const std::vector<std::string>& words, const std::vector
   std::size_t at = 3;  // after ID, group and style
   while (at < words.size()) {
     const std::string& name = words[at++];
-    const auto keyword = std::find_if(keywords.begin(), keywords.end(), [&](const Keyword& k) { return k.name == name; });
+    const auto keyword =
+        std::find_if(keywords.begin(), keywords.end(), [&](const Keyword& k) { return k.name == name; });
     if (keyword == keywords.end()) {
       std::vector<std::string> names;
       for (const Keyword& known : keywords) names.push_back(known.name);
       const std::string meant = json::did_you_mean(name, names);
-      return stop_reading("'" + name + "' is no keyword of it" + (meant.empty() ? "." : "; did you mean '" + meant + "'?"));
+      return stop_reading("'" + name + "' is no keyword of it" +
+                          (meant.empty() ? "." : "; did you mean '" + meant + "'?"));
     }
     long n = keyword->values;
     if (n < 0) {
@@ -47,7 +49,8 @@ void FixArguments::read(const std::vector<std::string>& words, const std::vector
       ++at;
     }
     if (at + static_cast<std::size_t>(n) > words.size())
-      return stop_reading("'" + name + "' needs " + std::to_string(n) + " value(s), " + std::to_string(words.size() - at) + " are given.");
+      return stop_reading("'" + name + "' needs " + std::to_string(n) + " value(s), " +
+                          std::to_string(words.size() - at) + " are given.");
     if (!keyword->repeats && has(name)) problem("'" + name + "' is given twice.");
     const auto begin = words.begin() + static_cast<std::ptrdiff_t>(at);
     given_.push_back({name, {begin, begin + n}});
@@ -145,7 +148,8 @@ const FixArguments::Given* FixArguments::needed(const std::string& keyword) {
 double FixArguments::to_number(const std::string& keyword, const std::string& word, Range range, bool whole) {
   const auto value = parse_number(word);
   if (!value || (whole && *value != std::floor(*value)) || !range.contains(*value)) {
-    problem("'" + keyword + "' is '" + word + "'; it must be a" + (whole ? " whole" : "") + " number " + range.text() + ".");
+    problem("'" + keyword + "' is '" + word + "'; it must be a" + (whole ? " whole" : "") + " number " + range.text() +
+            ".");
     return 0.0;
   }
   return *value;

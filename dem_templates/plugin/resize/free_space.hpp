@@ -9,8 +9,8 @@ namespace granary::dem {
 
 /// A wall near a point.
 struct NearWall {
-  double distance = 0.0;   ///< from the point to the wall [m]
-  Vector3 normal{};        ///< unit vector from the wall to the point
+  double distance = 0.0;  ///< from the point to the wall [m]
+  Vector3 normal{};       ///< unit vector from the wall to the point
 };
 
 class FreeSpace {

@@ -6,8 +6,8 @@
 namespace granary::dem {
 namespace {
 
-constexpr double kFarthestMove = 0.25;     // of its radius, per sweep
-constexpr double kSkin = 0.3;              // of the mean radius: how far neighbours are looked for beyond touching
+constexpr double kFarthestMove = 0.25;  // of its radius, per sweep
+constexpr double kSkin = 0.3;           // of the mean radius: how far neighbours are looked for beyond touching
 constexpr int kSweepsBetweenChecks = 5;
 
 double cube(double x) { return x * x * x; }
@@ -25,7 +25,11 @@ double largest_radius(const std::vector<Sphere>& spheres) {
 class Relaxer {
  public:
   Relaxer(std::vector<Sphere>& spheres, const FreeSpace& space, int axis)
-      : spheres_(spheres), space_(space), axis_(static_cast<std::size_t>(axis)), start_(spheres.size()), listed_at_(spheres.size()),
+      : spheres_(spheres),
+        space_(space),
+        axis_(static_cast<std::size_t>(axis)),
+        start_(spheres.size()),
+        listed_at_(spheres.size()),
         near_wall_(spheres.size()) {
     double sum = 0.0;
     for (const Sphere& sphere : spheres) sum += sphere.radius;
@@ -35,7 +39,8 @@ class Relaxer {
 
   void sweep() {
     for (std::size_t s = 0; s < spheres_.size(); ++s) start_[s] = spheres_[s].centre;
-    for (const Pair& pair : pairs_) push_apart(spheres_[static_cast<std::size_t>(pair.a)], spheres_[static_cast<std::size_t>(pair.b)]);
+    for (const Pair& pair : pairs_)
+      push_apart(spheres_[static_cast<std::size_t>(pair.a)], spheres_[static_cast<std::size_t>(pair.b)]);
     for (std::size_t s = 0; s < spheres_.size(); ++s) hold(s);
     for (std::size_t s = 0; s < spheres_.size(); ++s) {
       if (norm(spheres_[s].centre - listed_at_[s]) > 0.5 * skin_) return list_neighbours();
@@ -119,8 +124,8 @@ class Relaxer {
   std::size_t axis_;
   double skin_ = 0.0;
   std::vector<Pair> pairs_;
-  std::vector<Vector3> start_;        // of this sweep
-  std::vector<Vector3> listed_at_;    // when pairs_ was made
+  std::vector<Vector3> start_;      // of this sweep
+  std::vector<Vector3> listed_at_;  // when pairs_ was made
   std::vector<bool> near_wall_;
   std::vector<NearWall> walls_;
 };
@@ -142,7 +147,8 @@ void SphereGrid::clear() {
 
 SphereGrid::Cell SphereGrid::cell_of(const Vector3& point) const {
   long c[3];
-  for (std::size_t d = 0; d < 3; ++d) c[d] = std::clamp(static_cast<long>(std::floor((point[d] - low_[d]) / size_)), 0L, n_[d] - 1);
+  for (std::size_t d = 0; d < 3; ++d)
+    c[d] = std::clamp(static_cast<long>(std::floor((point[d] - low_[d]) / size_)), 0L, n_[d] - 1);
   return {c[0], c[1], c[2]};
 }
 

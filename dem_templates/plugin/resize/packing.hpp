@@ -11,7 +11,7 @@ namespace granary::dem {
 
 struct Sphere {
   Vector3 centre{};
-  double radius = 0.0;                  ///< [m]
+  double radius = 0.0;                       ///< [m]
   double axial_low = 0.0, axial_high = 0.0;  ///< its centre stays between these places along the axis [m]
 };
 
@@ -36,7 +36,7 @@ class SphereGrid {
   struct Cell {
     long i, j, k;
   };
-  Cell cell_of(const Vector3& point) const;   // points outside go to the nearest cell
+  Cell cell_of(const Vector3& point) const;  // points outside go to the nearest cell
   std::size_t index(const Cell& c) const { return static_cast<std::size_t>((c.i * n_[1] + c.j) * n_[2] + c.k); }
 
   Vector3 low_;
@@ -50,7 +50,7 @@ double largest_overlap(const std::vector<Sphere>& spheres, const FreeSpace& spac
 
 struct Relaxation {
   int sweeps = 0;
-  double overlap = 0.0;   ///< what is left
+  double overlap = 0.0;  ///< what is left
 };
 
 /// Pushes overlapping spheres apart and off the walls, the lighter one further, until no overlap is larger than

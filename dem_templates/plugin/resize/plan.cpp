@@ -12,12 +12,13 @@
 namespace granary::dem {
 namespace {
 
-constexpr int kTries = 200;   // random places looked at for one particle
-constexpr double kShortOfEnd = 1e-6;   // a centre on an edge would be the next compartment's
+constexpr int kTries = 200;           // random places looked at for one particle
+constexpr double kShortOfEnd = 1e-6;  // a centre on an edge would be the next compartment's
 
 double volume_of(double diameter) { return std::numbers::pi / 6.0 * diameter * diameter * diameter; }
 
-// A random number in [0, 1) that depends on nothing but its arguments. Source: [steele2014], the mixing of splitmix64.
+// A random number in [0, 1) that depends on nothing but its arguments. Mixing as in splitmix64:
+// G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014.
 double random(std::uint64_t seed, std::uint64_t stream, std::uint64_t n) {
   std::uint64_t z = seed + 0x9e3779b97f4a7c15ULL * (n + 1) + 0xd1342543de82ef95ULL * (stream + 1);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -69,7 +70,8 @@ struct Places {
     for (const NearWall& wall : walls) worst = std::max(worst, 10.0 * (1.0 - wall.distance / radius));
     grid.around(centre, [&](int other) {
       const Sphere& sphere = spheres[static_cast<std::size_t>(other)];
-      worst = std::max(worst, (radius + sphere.radius - norm(centre - sphere.centre)) / std::min(radius, sphere.radius));
+      worst =
+          std::max(worst, (radius + sphere.radius - norm(centre - sphere.centre)) / std::min(radius, sphere.radius));
     });
     return worst;
   }
@@ -95,13 +97,16 @@ struct Places {
 
 Error does_not_fit(const Population& population, std::size_t c, const std::string& why) {
   const auto& compartment = population.compartments[c];
-  return Error{fmt::format("resize: {} particles of together {:.4g} m^3 do not fit between {:.4g} m and {:.4g} m: {}. Ask for less hold-up there, "
-                           "or allow more sweeps or a larger overlap. See docs/dem_styles.md.",
-                           compartment.diameters.size(), compartment.volume(), compartment.from, compartment.to, why)};
+  return Error{
+      fmt::format("resize: {} particles of together {:.4g} m^3 do not fit between {:.4g} m and {:.4g} m: {}. Ask for "
+                  "less hold-up there, "
+                  "or allow more sweeps or a larger overlap. See docs/dem_styles.md.",
+                  compartment.diameters.size(), compartment.volume(), compartment.from, compartment.to, why)};
 }
 
 // The compartment with the largest overlaps of its own.
-std::size_t worst_compartment(const Population& population, const std::vector<Sphere>& spheres, const FreeSpace& space, std::size_t axis) {
+std::size_t worst_compartment(const Population& population, const std::vector<Sphere>& spheres, const FreeSpace& space,
+                              std::size_t axis) {
   std::size_t worst = 0;
   double most = -1.0;
   for (std::size_t c = 0; c < population.compartments.size(); ++c) {
@@ -146,7 +151,8 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
     for (const Particle& particle : particles) count.volume_before += volume_of(particle.diameter);
     count.volume = population.compartments[c].volume();
 
-    std::stable_sort(particles.begin(), particles.end(), [](const Particle& a, const Particle& b) { return a.diameter < b.diameter; });
+    std::stable_sort(particles.begin(), particles.end(),
+                     [](const Particle& a, const Particle& b) { return a.diameter < b.diameter; });
     const std::size_t n_kept = std::min(particles.size(), wanted.size());
     const auto keep = evenly(particles.size(), n_kept), fill = evenly(wanted.size(), n_kept);
     std::vector<bool> stays(particles.size(), false), filled(wanted.size(), false);
@@ -173,7 +179,8 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
     const double short_of_end = kShortOfEnd * (compartment.to - compartment.from);
     return Sphere{centre, 0.5 * diameter, compartment.from, compartment.to - short_of_end};
   };
-  for (std::size_t k = 0; k < plan.kept.size(); ++k) places.add(sphere_in(home[k], plan.kept[k].centre, plan.kept[k].diameter));
+  for (std::size_t k = 0; k < plan.kept.size(); ++k)
+    places.add(sphere_in(home[k], plan.kept[k].centre, plan.kept[k].diameter));
   for (std::size_t c = 0; c < n_compartments; ++c) {
     for (double diameter : missing[c]) {
       Sphere sphere = sphere_in(c, {}, diameter);
@@ -189,10 +196,12 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
   plan.overlap = relaxed.overlap;
   plan.sweeps = relaxed.sweeps;
   if (relaxed.overlap > kHopeless * options.overlap)
-    return does_not_fit(population, worst_compartment(population, places.spheres, space, axis),
-                        fmt::format("overlaps of {:.3g} of the radius are left after {} sweeps", relaxed.overlap, relaxed.sweeps));
+    return does_not_fit(
+        population, worst_compartment(population, places.spheres, space, axis),
+        fmt::format("overlaps of {:.3g} of the radius are left after {} sweeps", relaxed.overlap, relaxed.sweeps));
   for (std::size_t k = 0; k < plan.kept.size(); ++k) plan.kept[k].centre = places.spheres[k].centre;
-  for (std::size_t k = 0; k < plan.inserted.size(); ++k) plan.inserted[k].centre = places.spheres[plan.kept.size() + k].centre;
+  for (std::size_t k = 0; k < plan.inserted.size(); ++k)
+    plan.inserted[k].centre = places.spheres[plan.kept.size() + k].centre;
   std::sort(plan.kept.begin(), plan.kept.end(), [](const Particle& a, const Particle& b) { return a.tag < b.tag; });
   return plan;
 }
@@ -201,13 +210,15 @@ std::string describe(const ResizePlan& plan, const Population& population) {
   std::string text = "resize:";
   for (std::size_t c = 0; c < plan.compartments.size(); ++c) {
     const auto& count = plan.compartments[c];
-    text += fmt::format(" [{:.4g}, {:.4g}] m: {} -> {} particles (asked {}; {} kept, {} new, {} removed), {:.6g} -> {:.6g} m^3 (asked {:.6g});",
-                        population.compartments[c].from, population.compartments[c].to, count.before, count.kept + count.inserted,
-                        population.compartments[c].diameters.size(), count.kept, count.inserted, count.removed, count.volume_before,
-                        count.volume, population.compartments[c].volume());
+    text += fmt::format(
+        " [{:.4g}, {:.4g}] m: {} -> {} particles (asked {}; {} kept, {} new, {} removed), {:.6g} -> {:.6g} m^3 (asked "
+        "{:.6g});",
+        population.compartments[c].from, population.compartments[c].to, count.before, count.kept + count.inserted,
+        population.compartments[c].diameters.size(), count.kept, count.inserted, count.removed, count.volume_before,
+        count.volume, population.compartments[c].volume());
   }
-  return text + fmt::format(" largest overlap {:.3g} -> {:.3g} resized -> {:.3g} after {} sweeps", plan.overlap_before, plan.overlap_resized,
-                            plan.overlap, plan.sweeps);
+  return text + fmt::format(" largest overlap {:.3g} -> {:.3g} resized -> {:.3g} after {} sweeps", plan.overlap_before,
+                            plan.overlap_resized, plan.overlap, plan.sweeps);
 }
 
 }  // namespace granary::dem

@@ -64,7 +64,8 @@ Result<Population> read_population(const std::filesystem::path& file) {
       reader.problem("compartments", "must follow each other along the axis without overlap.");
   if (!problems.empty()) return problems.error();
   if (population.largest_diameter() == 0.0)
-    return Error{file.string() + ": /compartments ask for no particles at all. At least one compartment must hold some."};
+    return Error{file.string() +
+                 ": /compartments ask for no particles at all. At least one compartment must hold some."};
   return population;
 }
 

@@ -9,14 +9,14 @@
 namespace granary::dem {
 
 struct CompartmentPopulation {
-  double from = 0.0, to = 0.0;      ///< along the axis [m]
-  std::vector<double> diameters;    ///< of each particle, ascending [m]
+  double from = 0.0, to = 0.0;    ///< along the axis [m]
+  std::vector<double> diameters;  ///< of each particle, ascending [m]
 
-  double volume() const;            ///< [m^3]
+  double volume() const;  ///< [m^3]
 };
 
 struct Population {
-  double density = 0.0;             ///< [kg/m^3]
+  double density = 0.0;                             ///< [kg/m^3]
   std::vector<CompartmentPopulation> compartments;  ///< in order along the axis
 
   double largest_diameter() const;  ///< [m]; 0 if there are no particles

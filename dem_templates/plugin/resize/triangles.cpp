@@ -52,8 +52,9 @@ Triangles::Triangles(std::vector<Triangle> triangles, double reach) : triangles_
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     std::array<long, 3> first{}, last{};
     for (int d = 0; d < 3; ++d) {
-      const auto [least, most] = std::minmax({triangles_[t][0][static_cast<std::size_t>(d)], triangles_[t][1][static_cast<std::size_t>(d)],
-                                              triangles_[t][2][static_cast<std::size_t>(d)]});
+      const auto [least, most] =
+          std::minmax({triangles_[t][0][static_cast<std::size_t>(d)], triangles_[t][1][static_cast<std::size_t>(d)],
+                       triangles_[t][2][static_cast<std::size_t>(d)]});
       first[static_cast<std::size_t>(d)] = std::max(0L, cell_of(least - reach, d));
       last[static_cast<std::size_t>(d)] = std::min(n_cells_[static_cast<std::size_t>(d)] - 1, cell_of(most + reach, d));
     }
@@ -62,8 +63,10 @@ Triangles::Triangles(std::vector<Triangle> triangles, double reach) : triangles_
     for (long i = first[0]; i <= last[0]; ++i) {
       for (long j = first[1]; j <= last[1]; ++j) {
         for (long k = first[2]; k <= last[2]; ++k) {
-          const Vector3 centre = low_ + cell_size_ * Vector3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5, static_cast<double>(k) + 0.5};
-          if (norm(centre - nearest_point(triangles_[t], centre)) <= half_diagonal + reach) cells_[index(i, j, k)].push_back(static_cast<int>(t));
+          const Vector3 centre = low_ + cell_size_ * Vector3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
+                                                             static_cast<double>(k) + 0.5};
+          if (norm(centre - nearest_point(triangles_[t], centre)) <= half_diagonal + reach)
+            cells_[index(i, j, k)].push_back(static_cast<int>(t));
         }
       }
     }

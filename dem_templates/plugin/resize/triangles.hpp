@@ -11,7 +11,8 @@ namespace granary::dem {
 
 using Triangle = std::array<Vector3, 3>;
 
-/// The point of the triangle that is nearest to p. Source: [ericson2004] section 5.1.5, by regions of the triangle.
+/// The point of the triangle that is nearest to p. By regions of the triangle: C. Ericson, Real-Time
+/// Collision Detection (2005), section 5.1.5.
 Vector3 nearest_point(const Triangle& triangle, const Vector3& p);
 
 class Triangles {
@@ -30,7 +31,7 @@ class Triangles {
   Vector3 low_{};
   double cell_size_ = 1.0;
   std::array<long, 3> n_cells_{0, 0, 0};
-  std::vector<std::vector<int>> cells_;   ///< triangles whose boxes, widened by the reach, meet the cell
+  std::vector<std::vector<int>> cells_;  ///< triangles whose boxes, widened by the reach, meet the cell
 };
 
 }  // namespace granary::dem

@@ -27,7 +27,8 @@ std::size_t ContactBook::pack(std::size_t particle, double* buffer) const {
   std::copy(memory.velocity.begin(), memory.velocity.end(), buffer + 2);
   buffer[5] = static_cast<double>(memory.bodies);
   buffer[6] = memory.axial;
-  std::transform(partners.begin(), partners.end(), buffer + kHead, [](std::int64_t tag) { return static_cast<double>(tag); });
+  std::transform(partners.begin(), partners.end(), buffer + kHead,
+                 [](std::int64_t tag) { return static_cast<double>(tag); });
   return packed_size(particle);
 }
 
@@ -38,7 +39,8 @@ std::size_t ContactBook::unpack(std::size_t particle, const double* buffer) {
   std::copy(buffer + 2, buffer + 5, memory.velocity.begin());
   memory.bodies = static_cast<std::uint64_t>(buffer[5]);
   memory.axial = buffer[6];
-  std::transform(buffer + kHead, buffer + kHead + partners.size(), partners.begin(), [](double tag) { return static_cast<std::int64_t>(tag); });
+  std::transform(buffer + kHead, buffer + kHead + partners.size(), partners.begin(),
+                 [](double tag) { return static_cast<std::int64_t>(tag); });
   return packed_size(particle);
 }
 

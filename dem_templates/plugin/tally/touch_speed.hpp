@@ -10,8 +10,8 @@ namespace granary::dem {
 ///
 ///   (d . v)^2 - |v|^2 (|d|^2 - R^2)
 ///
-/// is the same at every moment, and where the distance is R it is (R v_n)^2. So the normal speed at first touch is known
-/// from any place on the line, also from the present one, a little into the contact.
+/// is the same at every moment, and where the distance is R it is (R v_n)^2. So the normal speed at first touch is
+/// known from any place on the line, also from the present one, a little into the contact.
 ///
 /// @param d  from one centre to the other, now [m]
 /// @param v  relative velocity before the contact force acted [m/s]

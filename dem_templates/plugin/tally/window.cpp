@@ -11,8 +11,8 @@ namespace {
 using json::Array;
 using json::Value;
 
-constexpr std::size_t kMoments = 4;         // count, sum, sum of ln, sum of ln^2
-constexpr double kSlowest = 1e-12;          // a speed of zero has no logarithm [m/s]
+constexpr std::size_t kMoments = 4;  // count, sum, sum of ln, sum of ln^2
+constexpr double kSlowest = 1e-12;   // a speed of zero has no logarithm [m/s]
 
 Value counts(std::span<const double> values) {
   Array items;
@@ -66,7 +66,8 @@ Value header_line(const TallyLayout& layout, const TallyHeader& header) {
 }
 
 Window::Window(const TallyLayout& layout) : layout_(layout), maxima_(1, 0.0) {
-  const std::size_t K = layout.n_classes(), X = layout.n_compartments(), B = layout.bodies.size(), H = layout.n_speeds();
+  const std::size_t K = layout.n_classes(), X = layout.n_compartments(), B = layout.bodies.size(),
+                    H = layout.n_speeds();
   std::size_t size = 0;
   const auto place = [&size](std::size_t n) { return std::exchange(size, size + n); };
   particles_ = place(X * K);
@@ -153,7 +154,8 @@ Value Window::line(const WindowEnd& end) const {
   for (std::size_t p = 0; p < K; ++p) collisions.push_back(counts(part(collisions_ + p * K, K)));
 
   Value impacts = Value::object();
-  for (std::size_t b = 0; b < layout_.bodies.size(); ++b) impacts.set(layout_.bodies[b], counts(part(impacts_ + b * K, K)));
+  for (std::size_t b = 0; b < layout_.bodies.size(); ++b)
+    impacts.set(layout_.bodies[b], counts(part(impacts_ + b * K, K)));
 
   std::vector<double> speed_mean(K), speed_rms(K), axial_velocity(X);
   for (std::size_t p = 0; p < K; ++p) {

@@ -12,11 +12,11 @@ namespace granary::dem {
 
 /// The bins everything is counted in; lists of edges ascend.
 struct TallyLayout {
-  std::vector<double> class_edges;         ///< particle diameters [m], n_classes + 1
-  std::vector<double> compartment_edges;   ///< along the axis [m], n_compartments + 1
-  std::vector<double> speed_edges;         ///< [m/s], n_speeds + 1
+  std::vector<double> class_edges;        ///< particle diameters [m], n_classes + 1
+  std::vector<double> compartment_edges;  ///< along the axis [m], n_compartments + 1
+  std::vector<double> speed_edges;        ///< [m/s], n_speeds + 1
   std::vector<std::string> bodies;
-  int axis = 0;                            ///< 0, 1, 2: x, y, z
+  int axis = 0;  ///< 0, 1, 2: x, y, z
 
   std::size_t n_classes() const { return class_edges.size() - 1; }
   std::size_t n_compartments() const { return compartment_edges.size() - 1; }
@@ -31,8 +31,8 @@ std::size_t bin_of(std::span<const double> edges, double x);
 
 /// What a run tells about itself in the header line.
 struct TallyHeader {
-  double time_step = 0.0;          ///< [s]
-  double window = 0.0;             ///< [s]
+  double time_step = 0.0;  ///< [s]
+  double window = 0.0;     ///< [s]
   double coarse_graining = 1.0;
   int ranks = 1;
   long start_step = 0;
@@ -42,9 +42,9 @@ json::Value header_line(const TallyLayout& layout, const TallyHeader& header);
 
 /// When a window ended, and the balance of particles over it; the same on all ranks.
 struct WindowEnd {
-  double time = 0.0;               ///< DEM clock [s]
+  double time = 0.0;  ///< DEM clock [s]
   long step = 0;
-  double length = 0.0;             ///< [s]
+  double length = 0.0;  ///< [s]
   long inserted = 0, left = 0, lost = 0;
 };
 
@@ -61,7 +61,9 @@ class Window {
   void particle(double diameter, double axial, double axial_velocity, double speed_squared, double mass);
   /// A particle went from one place along the axis to another since the last survey.
   void moved(double axial_before, double axial_now);
-  void overlap(double fraction) { if (fraction > maxima_[0]) maxima_[0] = fraction; }
+  void overlap(double fraction) {
+    if (fraction > maxima_[0]) maxima_[0] = fraction;
+  }
   void survey_done() { ++surveys_; }
 
   double largest_overlap() const { return maxima_[0]; }

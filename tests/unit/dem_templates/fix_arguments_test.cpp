@@ -14,11 +14,13 @@ FixArguments read(const std::string& line) {
   std::istringstream in(line);
   std::vector<std::string> words;
   for (std::string word; in >> word;) words.push_back(word);
-  return FixArguments(words, {{"file"}, {"every"}, {"axis"}, {"classes", FixArguments::kEdges}, {"body", 3, true}, {"speed_bins", 3}});
+  return FixArguments(
+      words, {{"file"}, {"every"}, {"axis"}, {"classes", FixArguments::kEdges}, {"body", 3, true}, {"speed_bins", 3}});
 }
 
 TEST(FixArguments, ReadsKeywordsInAnyOrder) {
-  auto arguments = read("t all granary/tally classes 2 0.1 0.2 0.3 body a mesh m every 7 body b wall w file x.jsonl axis z");
+  auto arguments =
+      read("t all granary/tally classes 2 0.1 0.2 0.3 body a mesh m every 7 body b wall w file x.jsonl axis z");
   EXPECT_EQ(arguments.edges("classes"), (std::vector<double>{0.1, 0.2, 0.3}));
   EXPECT_EQ(arguments.integer("every", Range::at_least(1)), 7);
   EXPECT_EQ(arguments.text("file"), "x.jsonl");
@@ -43,11 +45,15 @@ TEST(FixArguments, SaysWhatIsMissingWrongOrUnknown) {
   EXPECT_EQ(fault("t all granary/tally file f classes 1 1 2 axis x"), "");
   EXPECT_EQ(fault("t all granary/tally classes 1 1 2 axis x"), place + "needs the keyword 'file'." + docs);
   EXPECT_EQ(fault("t all granary/tally fiel f"), place + "'fiel' is no keyword of it; did you mean 'file'?" + docs);
-  EXPECT_EQ(fault("t all granary/tally file f classes 1 2 1 axis x"), place + "the edges of 'classes' must ascend: edge 1 does not." + docs);
-  EXPECT_EQ(fault("t all granary/tally file f axis x classes 3 1 2"), place + "'classes' needs 4 value(s), 2 are given." + docs);
-  EXPECT_EQ(fault("t all granary/tally file f axis x classes many"), place + "'classes' needs its length, a whole number of at least 1." + docs);
+  EXPECT_EQ(fault("t all granary/tally file f classes 1 2 1 axis x"),
+            place + "the edges of 'classes' must ascend: edge 1 does not." + docs);
+  EXPECT_EQ(fault("t all granary/tally file f axis x classes 3 1 2"),
+            place + "'classes' needs 4 value(s), 2 are given." + docs);
+  EXPECT_EQ(fault("t all granary/tally file f axis x classes many"),
+            place + "'classes' needs its length, a whole number of at least 1." + docs);
   EXPECT_EQ(fault("t all granary/tally file f classes 1 1 2 axis w every 0"),
-            place + "'axis' is 'w'; it must be x, y or z." + docs + "\n" + place + "'every' is '0'; it must be a whole number >= 1." + docs);
+            place + "'axis' is 'w'; it must be x, y or z." + docs + "\n" + place +
+                "'every' is '0'; it must be a whole number >= 1." + docs);
   EXPECT_EQ(fault("t all granary/tally file f file g classes 1 1 2 axis x"), place + "'file' is given twice." + docs);
 }
 

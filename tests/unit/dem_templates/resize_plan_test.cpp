@@ -136,7 +136,7 @@ TEST(ResizePlan, TakesSurplusEvenlyOverTheSizes) {
 // The four changes between two bursts: volume is what the file says, overlaps are relaxed.
 struct Change {
   std::string name;
-  double factor;    // of the diameter
+  double factor;  // of the diameter
   std::size_t count;
 };
 class ResizeChanges : public testing::TestWithParam<Change> {};
@@ -168,8 +168,9 @@ TEST_P(ResizeChanges, KeepsVolumeAndBoundsOverlaps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BetweenBursts, ResizeChanges,
-                         testing::Values(Change{"grown", 1.5, 59}, Change{"shrunk", 0.8, 200}, Change{"twice", 0.79, 400},
-                                         Change{"half", 1.26, 100}, Change{"same", 1.0, 200}, Change{"fuller", 1.25, 200}),
+                         testing::Values(Change{"grown", 1.5, 59}, Change{"shrunk", 0.8, 200},
+                                         Change{"twice", 0.79, 400}, Change{"half", 1.26, 100},
+                                         Change{"same", 1.0, 200}, Change{"fuller", 1.25, 200}),
                          [](const auto& test) { return test.param.name; });
 
 TEST(ResizePlan, RefusesWhatCannotFit) {
@@ -177,7 +178,8 @@ TEST(ResizePlan, RefusesWhatCannotFit) {
   const auto plan = plan_resize({}, population, kBox, {.sweeps = 200});
   ASSERT_FALSE(plan);
   EXPECT_NE(plan.error().message.find("3000 particles"), std::string::npos) << plan.error().message;
-  EXPECT_NE(plan.error().message.find("do not fit between 0.05 m and 0.1 m"), std::string::npos) << plan.error().message;
+  EXPECT_NE(plan.error().message.find("do not fit between 0.05 m and 0.1 m"), std::string::npos)
+      << plan.error().message;
   EXPECT_EQ(plan.error().exit, Exit::bad_input);
 }
 
@@ -213,7 +215,8 @@ TEST(Triangles, FindAllThatAreNearAndNoOthers) {
     const Vector3 p{1.2 * coordinate(random) - 0.1, coordinate(random), coordinate(random)};
     std::vector<NearWall> found;
     triangles.near(p, 0.05, found);
-    const auto near = std::count_if(list.begin(), list.end(), [&](const Triangle& t) { return norm(p - nearest_point(t, p)) < 0.05; });
+    const auto near = std::count_if(list.begin(), list.end(),
+                                    [&](const Triangle& t) { return norm(p - nearest_point(t, p)) < 0.05; });
     EXPECT_EQ(static_cast<long>(found.size()), near);
   }
 }
@@ -230,12 +233,19 @@ class PopulationFile : public testing::Test {
 
 TEST_F(PopulationFile, IsReadOrRefusedWithEveryProblem) {
   EXPECT_EQ(fault(R"({"format": "granary-population-1", "density_kg_m3": 1000.0, "coarse_graining": 40.0,
-    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.004, 0.003], "counts": [120, 300]}]})"), "");
-  EXPECT_NE(fault(R"({"format": "granary-population-1", "density_kg_m3": -1, "compartments": []})").find("/density_kg_m3"), std::string::npos);
+    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.004, 0.003], "counts": [120, 300]}]})"),
+            "");
+  EXPECT_NE(
+      fault(R"({"format": "granary-population-1", "density_kg_m3": -1, "compartments": []})").find("/density_kg_m3"),
+      std::string::npos);
   EXPECT_NE(fault(R"({"format": "granary-population-1", "density_kg_m3": 1,
-    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.003], "counts": [1, 2]}]})").find("as many"), std::string::npos);
+    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.003], "counts": [1, 2]}]})")
+                .find("as many"),
+            std::string::npos);
   EXPECT_NE(fault(R"({"format": "granary-population-1", "density_kg_m3": 1,
-    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.003], "counts": [0]}]})").find("no particles"), std::string::npos);
+    "compartments": [{"from_m": 0.0, "to_m": 0.11, "diameters_m": [0.003], "counts": [0]}]})")
+                .find("no particles"),
+            std::string::npos);
 }
 
 }  // namespace

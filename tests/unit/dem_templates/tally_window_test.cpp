@@ -29,7 +29,8 @@ TEST(TallyBins, TakeWhatLiesOutsideIntoTheEndBins) {
 
 TEST(TallyBins, AreEvenInTheLogarithm) {
   const auto edges = log_spaced(0.01, 100.0, 4);
-  for (int i = 0; i <= 4; ++i) EXPECT_NEAR(edges[static_cast<std::size_t>(i)], std::pow(10.0, i - 2), 1e-12 * std::pow(10.0, i - 2));
+  for (int i = 0; i <= 4; ++i)
+    EXPECT_NEAR(edges[static_cast<std::size_t>(i)], std::pow(10.0, i - 2), 1e-12 * std::pow(10.0, i - 2));
 }
 
 TEST(Window, CountsEachUnorderedPairOnceAndPrintsASymmetricMatrix) {
@@ -87,9 +88,9 @@ TEST(Window, AveragesParticlesOverItsSurveys) {
 TEST(Window, CountsTheEdgesAParticleCrossed) {
   const TallyLayout bins = layout();
   Window window(bins);
-  window.moved(0.05, 0.25);   // over 0.1 and 0.2
-  window.moved(0.15, 0.12);   // over none
-  window.moved(0.12, 0.08);   // back over 0.1
+  window.moved(0.05, 0.25);  // over 0.1 and 0.2
+  window.moved(0.15, 0.12);  // over none
+  window.moved(0.12, 0.08);  // back over 0.1
   window.moved(0.08, 0.11);
 
   EXPECT_EQ(window.line({}).numbers("axial_flux"), (std::vector<double>{0, 1, 1}));

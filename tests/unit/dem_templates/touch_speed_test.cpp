@@ -18,7 +18,9 @@ TEST(TouchSpeed, IsThatOfTheFlightWhereverOnItsLineOneLooks) {
     const double v[3] = {-2.0, uniform(random), uniform(random)};
     const double dt = 1e-6;
     int steps = 0;
-    const auto fly = [&] { for (int k = 0; k < 3; ++k) d[k] += v[k] * dt; };
+    const auto fly = [&] {
+      for (int k = 0; k < 3; ++k) d[k] += v[k] * dt;
+    };
     const auto distance = [&] { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); };
     // straight to just before the touch, then step by step over it
     const double a = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], b = d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
