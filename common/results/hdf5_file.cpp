@@ -27,17 +27,15 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints its error stack by itself; our messages say it in one line.
-void silence() {
-  static const bool done = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+/// HDF5 prints its error stack by itself; our messages say it in one line. And it must not tidy up at exit: after a failed
+/// write (a full disk) that ends in a crash, while files that were written well are closed by then.
+void set_up_library() {
+  static const bool done = [] { return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
   (void)done;
 }
 
 Error failure(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what), Exit::task_failed};
-}
-Error cannot_write(const fs::path& file, const std::string& name) {
-  return failure(file, fmt::format("\"{}\" cannot be written. Is the disk full, or the file open elsewhere?", name));
 }
 Error cannot_read(const fs::path& file, const std::string& name) {
   return {fmt::format("{}: \"{}\" is missing or cannot be read. The file is of another kind, or was cut short.", file.string(), name)};
@@ -115,14 +113,14 @@ std::size_t row_length(const std::vector<hsize_t>& dims) {
 }  // namespace
 
 Result<Hdf5File> Hdf5File::create(const fs::path& file) {
-  silence();
+  set_up_library();
   const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (id < 0) return failure(file, "cannot be made. Does its folder exist, may it be written, is there space?");
   return Hdf5File(id, file);
 }
 
 Result<Hdf5File> Hdf5File::open(const fs::path& file) {
-  silence();
+  set_up_library();
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return Error{file.string() + ": there is no such file."};
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -131,20 +129,27 @@ Result<Hdf5File> Hdf5File::open(const fs::path& file) {
 }
 
 Result<Hdf5File> Hdf5File::open_to_append(const fs::path& file) {
-  silence();
+  set_up_library();
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   if (id < 0) return failure(file, "cannot be opened for writing: it is missing, no HDF5 file, or was cut short.");
   return Hdf5File(id, file);
 }
 
-Hdf5File::Hdf5File(Hdf5File&& other) noexcept : id_(std::exchange(other.id_, -1)), file_(std::move(other.file_)) {}
+Hdf5File::Hdf5File(Hdf5File&& other) noexcept
+    : id_(std::exchange(other.id_, -1)), file_(std::move(other.file_)), broken_(other.broken_) {}
 Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
   std::swap(id_, other.id_);
   std::swap(file_, other.file_);
+  std::swap(broken_, other.broken_);
   return *this;
 }
 Hdf5File::~Hdf5File() {
-  if (id_ >= 0) H5Fclose(id_);
+  if (id_ >= 0 && !broken_) H5Fclose(id_);
+}
+
+Error Hdf5File::failed_to_write(const std::string& name) {
+  broken_ = true;
+  return failure(file_, fmt::format("\"{}\" cannot be written. Is the disk full, or the file open elsewhere?", name));
 }
 
 Status Hdf5File::write(const std::string& name, const DataArray& data, std::string_view unit, std::string_view description) {
@@ -153,7 +158,7 @@ Status Hdf5File::write(const std::string& name, const DataArray& data, std::stri
   const Handle dataset = make_dataset(id_, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT);
   if (!dataset.good() || H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.values.data()) < 0 ||
       !describe(dataset, unit, description))
-    return cannot_write(file_, name);
+    return failed_to_write(name);
   return {};
 }
 
@@ -164,7 +169,7 @@ Status Hdf5File::write_integers(const std::string& name, const std::vector<std::
   const Handle dataset = make_dataset(id_, name, H5T_NATIVE_INT64, space, H5P_DEFAULT);
   if (!dataset.good() || H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0 ||
       !describe(dataset, unit, description))
-    return cannot_write(file_, name);
+    return failed_to_write(name);
   return {};
 }
 
@@ -177,7 +182,7 @@ Status Hdf5File::write_texts(const std::string& name, const std::vector<std::str
   for (const auto& value : values) pointers.push_back(value.c_str());
   if (!dataset.good() || H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0 ||
       !describe(dataset, "", description))
-    return cannot_write(file_, name);
+    return failed_to_write(name);
   return {};
 }
 
@@ -194,31 +199,31 @@ Status Hdf5File::create_growing(const std::string& name, const std::vector<std::
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
   const Handle dataset = make_dataset(id_, name, H5T_NATIVE_DOUBLE, space, properties);
-  if (!dataset.good() || !describe(dataset, unit, description)) return cannot_write(file_, name);
+  if (!dataset.good() || !describe(dataset, unit, description)) return failed_to_write(name);
   return {};
 }
 
 Status Hdf5File::append_row(const std::string& name, const std::vector<double>& row) {
   const Handle dataset = open_dataset(id_, name);
-  if (!dataset.good()) return cannot_write(file_, name);
+  if (!dataset.good()) return failed_to_write(name);
   auto dims = shape_of(dataset);
   GRANARY_ASSERT(!dims.empty() && row.size() == row_length(dims), name);
   dims[0] += 1;
-  if (H5Dset_extent(dataset, dims.data()) < 0) return cannot_write(file_, name);
+  if (H5Dset_extent(dataset, dims.data()) < 0) return failed_to_write(name);
   const Handle rows = row_selection(dataset, dims[0] - 1, dims);
   const hsize_t size = row.size();
   const Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  if (H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, rows, H5P_DEFAULT, row.data()) < 0) return cannot_write(file_, name);
+  if (H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, rows, H5P_DEFAULT, row.data()) < 0) return failed_to_write(name);
   return {};
 }
 
 Status Hdf5File::truncate_rows(const std::string& name, std::size_t n_rows) {
   const Handle dataset = open_dataset(id_, name);
-  if (!dataset.good()) return cannot_write(file_, name);
+  if (!dataset.good()) return failed_to_write(name);
   auto dims = shape_of(dataset);
   if (dims.empty() || dims[0] <= n_rows) return {};
   dims[0] = n_rows;
-  if (H5Dset_extent(dataset, dims.data()) < 0) return cannot_write(file_, name);
+  if (H5Dset_extent(dataset, dims.data()) < 0) return failed_to_write(name);
   return {};
 }
 
@@ -232,17 +237,17 @@ Handle open_or_make_object(hid_t file, const std::string& name) {
 
 Status Hdf5File::attribute(const std::string& name, const std::string& key, std::string_view text) {
   const Handle object = open_or_make_object(id_, name);
-  if (!object.good() || !write_text_attribute(object, key.c_str(), text)) return cannot_write(file_, name + " @" + key);
+  if (!object.good() || !write_text_attribute(object, key.c_str(), text)) return failed_to_write(name + " @" + key);
   return {};
 }
 
 Status Hdf5File::attribute(const std::string& name, const std::string& key, double value) {
   const Handle object = open_or_make_object(id_, name);
-  if (!object.good()) return cannot_write(file_, name);
+  if (!object.good()) return failed_to_write(name);
   if (H5Aexists(object, key.c_str()) > 0) H5Adelete(object, key.c_str());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle made(H5Acreate2(object, key.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!made.good() || H5Awrite(made, H5T_NATIVE_DOUBLE, &value) < 0) return cannot_write(file_, name + " @" + key);
+  if (!made.good() || H5Awrite(made, H5T_NATIVE_DOUBLE, &value) < 0) return failed_to_write(name + " @" + key);
   return {};
 }
 
@@ -276,7 +281,8 @@ Result<std::vector<std::string>> Hdf5File::read_texts(const std::string& name) c
   const Handle dataset = open_dataset(id_, name);
   if (!dataset.good()) return cannot_read(file_, name);
   const auto dims = shape_of(dataset);
-  std::vector<char*> pointers(dims.empty() ? 0 : dims[0]);
+  if (dims.size() != 1) return cannot_read(file_, name);
+  std::vector<char*> pointers(dims[0]);
   const Handle type = text_type();
   if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) return cannot_read(file_, name);
   std::vector<std::string> texts;
@@ -320,7 +326,7 @@ Result<std::vector<std::string>> Hdf5File::children(const std::string& group) co
 }
 
 Status Hdf5File::flush() {
-  if (H5Fflush(id_, H5F_SCOPE_LOCAL) < 0) return failure(file_, "cannot be written. Is the disk full?");
+  if (H5Fflush(id_, H5F_SCOPE_LOCAL) < 0) return failed_to_write("/");
   return {};
 }
 

@@ -58,8 +58,12 @@ class Hdf5File {
 
  private:
   explicit Hdf5File(std::int64_t id, std::filesystem::path file) : id_(id), file_(std::move(file)) {}
+  /// Remembers that a write failed, and says it: `name` could not be written.
+  Error failed_to_write(const std::string& name);
+
   std::int64_t id_ = -1;
   std::filesystem::path file_;
+  bool broken_ = false;  ///< a write failed (a full disk): HDF5 cannot even close such a file
 };
 
 }  // namespace granary

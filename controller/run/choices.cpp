@@ -50,20 +50,22 @@ void pbm_choices(std::vector<ModelChoice>& choices, const campaign::Campaign& ca
 
 Status dem_choices(std::vector<ModelChoice>& choices, const campaign::Campaign& campaign, const fs::path& dir, const coupling::State& state,
                    const CampaignResults& results) {
-  double tail = 0.0, volume_error = 0.0, least_f = 1e300, most_f = 0.0;
+  if (results.rates.empty()) return {};  // the DEM gave nothing: nothing can be said of its choices
+  double tail = 0.0, capped = 0.0, volume_error = 0.0, least_f = 1e300, most_f = 0.0;
   for (const auto& over : state.bursts) {
     if (over.burst.kind != coupling::Kind::dem) continue;
     GRANARY_TRY(const auto sampled, json::read_file(dir / "bursts" / over.burst.folder() / "sampled.json"));
     tail = std::max(tail, sampled.number_or("unrepresented_volume", 0.0));
+    capped = std::max(capped, sampled.number_or("capped_volume", 0.0));
     volume_error = std::max(volume_error, sampled.number_or("volume_error", 0.0));
     least_f = std::min(least_f, sampled.number_or("coarse_graining", 1.0));
     most_f = std::max(most_f, sampled.number_or("coarse_graining", 1.0));
   }
   choices.push_back({"DEM particle number",
                      fmt::format("coarse-grained {:.3g} to {:.3g} times in diameter, budget {}", least_f, most_f, campaign.dem.particles),
-                     fmt::format("hold-up volume kept within {:.1e}; {:.1f} % of the volume is finer than the finest class (measured); effect on the "
-                                 "kernel not measured",
-                                 volume_error, 100.0 * tail),
+                     fmt::format("hold-up volume kept within {:.1e}; up to {:.0f} % of it is finer than the finest class and {:.0f} % coarser than "
+                                 "the machine's gaps allow, both shown at the bound (measured); effect on the kernel not measured",
+                                 volume_error, 100.0 * tail, 100.0 * capped),
                      fmt::format("{:.1e} times fewer particles", most_f * most_f * most_f)});
   double counting = 0.0;
   for (const DemRates& rates : results.rates) counting = std::max(counting, counting_error(rates));
