@@ -9,6 +9,7 @@ namespace {
 
 /// `count` of the sorted `cores` that span the shortest stretch.
 std::vector<int> nearest(const std::vector<int>& cores, std::size_t count) {
+  if (count == 0) return {};
   std::size_t best = 0;
   for (std::size_t k = 1; k + count <= cores.size(); ++k) {
     if (cores[k + count - 1] - cores[k] < cores[best + count - 1] - cores[best]) best = k;

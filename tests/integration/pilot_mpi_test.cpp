@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <sstream>
 
@@ -94,13 +95,9 @@ TEST_F(PilotMpi, StopsRanksGracefullyAndLeavesNoneWhenTheyDoNotListen) {
   TaskSpec good = ranks("good", count, "trap 'echo bye; exit 0' USR1; echo up; while :; do sleep 0.05; done");
   const TaskId good_id = *pilot->submit(good);
   pilot->on_idle([this] { loop.stop(); });
-  const auto when_up = [&](const std::string& name, TaskId id) {
-    auto look = std::make_shared<std::function<void()>>();
-    *look = [this, name, id, look] {
-      if (count_of("up\n", output(name)) < pilot->spec(id).ranks) return void(loop.after(0.02, *look));
-      pilot->stop(id, "enough");
-    };
-    loop.after(0.02, *look);
+  std::function<void(std::string, TaskId)> when_up = [&](const std::string& name, TaskId id) {
+    if (count_of("up\n", output(name)) == count) return pilot->stop(id, "enough");
+    loop.after(0.02, [&when_up, name, id] { when_up(name, id); });
   };
   when_up("good", good_id);
   loop.run();
