@@ -118,7 +118,6 @@ TEST(MixerDeck, RunsAtTipSpeedAndLosesNothing) {
   ASSERT_EQ(counted.windows.size(), 4u);
   EXPECT_EQ(counted.total("lost"), 0.0);
   EXPECT_LT(counted.total("left"), 60.0);
-  EXPECT_GT(counted.impacts("shell"), 100.0);
   EXPECT_GT(counted.impacts("impeller"), 30.0);
   EXPECT_GT(counted.all_collisions(), 10.0);
   const Speeds speeds = read_speeds(folder.read("0001-dem/speeds.txt"));
