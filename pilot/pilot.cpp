@@ -44,9 +44,9 @@ struct Pilot::State {
   Journal& journal;
   Table table;
   Resources resources;
-  std::string run_id;             ///< of the campaign: what its processes are marked with
-  double loop_start;              ///< loop's clock at ...
-  double time_base = 0.0;         ///< ... this pilot time [s]
+  std::string run_id;      ///< of the campaign: what its processes are marked with
+  double loop_start;       ///< loop's clock at ...
+  double time_base = 0.0;  ///< ... this pilot time [s]
   bool stopping = false;
   std::string stop_reason;
   bool schedule_posted = false;
@@ -112,10 +112,16 @@ struct Pilot::State {
   // --- actions ---
 
   Launch launch_of(const Task& task, const Attempt& attempt) const {
-    return {{task.id, attempt.number}, task.spec, folder_of(task.spec), attempt.pieces.back().cores, mark_of({task.id, attempt.number})};
+    return {{task.id, attempt.number},
+            task.spec,
+            folder_of(task.spec),
+            attempt.pieces.back().cores,
+            mark_of({task.id, attempt.number})};
   }
 
-  std::string mark_of(AttemptId attempt) const { return fmt::format("{}.{}.{}", run_id, attempt.task.value, attempt.number); }
+  std::string mark_of(AttemptId attempt) const {
+    return fmt::format("{}.{}.{}", run_id, attempt.task.value, attempt.number);
+  }
 
   /// Whether no other task works in the task's folder or below it.
   bool owns_folder(const Task& task) const {
@@ -132,9 +138,10 @@ struct Pilot::State {
     if (const Status kept = keep_earlier_attempt(task); !kept) {
       return observe({now(), StartFailed{spawn.attempt, kept.error().message}});
     }
-    const auto started = launcher.start(launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) {
-      observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
-    });
+    const auto started =
+        launcher.start(launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) {
+          observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
+        });
     if (started) {
       observe({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
     } else {
@@ -227,7 +234,9 @@ struct Pilot::State {
     if (!done) resources.release(start.id);
     return done;
   }
-  Status carry_out(const SuspendFiller& suspend) { return decide({now(), Suspended{table.at(suspend.id).attempt_id()}}); }
+  Status carry_out(const SuspendFiller& suspend) {
+    return decide({now(), Suspended{table.at(suspend.id).attempt_id()}});
+  }
   Status carry_out(const KillFiller& kill) { return decide({now(), Preempted{table.at(kill.id).attempt_id()}}); }
   Status carry_out(const ResumeFiller& resume) {
     resources.take(table.at(resume.id), resume.cores);
@@ -243,7 +252,8 @@ struct Pilot::State {
 
   // --- stopping ---
 
-  /// The journal cannot be written: nothing more is started, what runs is asked to end as soon as the current event is done.
+  /// The journal cannot be written: nothing more is started, what runs is asked to end as soon as the current event is
+  /// done.
   void fail(const Error& error) {
     if (failure) return;
     failure = error;
@@ -275,8 +285,10 @@ struct Pilot::State {
       const auto event = event_from_json(record.kind, record.payload);
       if (!event) return Error{fmt::format("journal.jsonl: record {}: {}", record.sequence, event.error().message)};
       if (!belongs_here(*event, record)) {
-        return Error{fmt::format("journal.jsonl: record {} ({}) tells of a task that no earlier record submitted; "
-                                 "somebody put this file together from others", record.sequence, record.kind)};
+        return Error{
+            fmt::format("journal.jsonl: record {} ({}) tells of a task that no earlier record submitted; "
+                        "somebody put this file together from others",
+                        record.sequence, record.kind)};
       }
       (void)update(table, *event);
     }
@@ -319,9 +331,11 @@ struct Pilot::State {
   Status take_up() {
     for (const TaskId id : active_tasks()) {
       const Task& task = table.at(id);
-      const bool was_alive = launcher.end_orphan({task.last().pid, task.last().start_ticks}, mark_of(task.attempt_id()));
-      GRANARY_CHECK(decide({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
-                                                                     : "the pilot died, and the task with it"}}));
+      const bool was_alive =
+          launcher.end_orphan({task.last().pid, task.last().start_ticks}, mark_of(task.attempt_id()));
+      GRANARY_CHECK(
+          decide({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
+                                                           : "the pilot died, and the task with it"}}));
     }
     for (std::size_t k = 0; k < table.tasks.size(); ++k) {
       if (table.tasks[k].resumable) GRANARY_CHECK(decide({now(), Reopened{table.tasks[k].id}}));
@@ -338,7 +352,8 @@ Pilot::~Pilot() {
   if (state_) (void)state_->journal.append("pilot.close", json::Value::object({{"time_s", now()}}));
 }
 
-Result<std::unique_ptr<Pilot>> Pilot::open(PilotOptions options, EventLoop& loop, Launcher& launcher, Journal& journal) {
+Result<std::unique_ptr<Pilot>> Pilot::open(PilotOptions options, EventLoop& loop, Launcher& launcher,
+                                           Journal& journal) {
   std::error_code error;
   options.dir = fs::absolute(options.dir, error).lexically_normal();
   std::unique_ptr<Pilot> pilot(new Pilot(std::make_unique<State>(std::move(options), loop, launcher, journal)));
@@ -351,7 +366,8 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
   State& state = *state_;
   if (const Task* known = state.table.find(spec.name)) {
     if (known->spec != spec) {
-      return Error{fmt::format("task \"{}\" is in the journal with other settings; use another name, or another folder (--dir)", spec.name)};
+      return Error{fmt::format(
+          "task \"{}\" is in the journal with other settings; use another name, or another folder (--dir)", spec.name)};
     }
     if (has_ended(known->state)) state.act(Report{known->id});
     return known->id;
@@ -385,7 +401,9 @@ void Pilot::stop_all(const std::string& reason) {
 }
 
 bool Pilot::stopping() const { return state_->stopping; }
-void Pilot::on_end(std::function<void(const TaskEnd&)> callback) { state_->end_callbacks.push_back(std::move(callback)); }
+void Pilot::on_end(std::function<void(const TaskEnd&)> callback) {
+  state_->end_callbacks.push_back(std::move(callback));
+}
 void Pilot::on_idle(std::function<void()> callback) { state_->idle_callbacks.push_back(std::move(callback)); }
 bool Pilot::idle() const { return state_->idle(); }
 const std::optional<Error>& Pilot::failure() const { return state_->failure; }
@@ -431,7 +449,8 @@ Result<std::string> Pilot::explain(const std::string& name) const {
   std::vector<std::string> names;
   for (const Task& task : state_->table.tasks) names.push_back(task.spec.name);
   const std::string near = json::did_you_mean(name, names);
-  return Error{fmt::format("no task is called \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near))};
+  return Error{
+      fmt::format("no task is called \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near))};
 }
 
 json::Value Pilot::answer(const json::Value& request) {

@@ -40,28 +40,30 @@ struct Interval {
   bool fill = false;
   std::vector<int> cores;
   double start = 0.0;
-  double end = 0.0;          ///< now, if it still runs
-  bool ended = true;         ///< false: it still runs
+  double end = 0.0;                        ///< now, if it still runs
+  bool ended = true;                       ///< false: it still runs
   TaskState outcome = TaskState::running;  ///< of the attempt, in its last interval; suspended in those before
 };
 
 /// Pilot time: seconds since the campaign's first start, not counting the time when no pilot was alive.
 class Pilot {
  public:
-  /// Takes up the campaign the journal tells of (an empty journal: a new one). Attempts that were running are orphans: ended,
-  /// recorded as lost, and their tasks queued again; so are tasks that stop_all() had stopped. What finished is never run again.
-  /// `loop`, `launcher` and `journal` must outlive the pilot.
-  static Result<std::unique_ptr<Pilot>> open(PilotOptions options, EventLoop& loop, Launcher& launcher, Journal& journal);
+  /// Takes up the campaign the journal tells of (an empty journal: a new one). Attempts that were running are orphans:
+  /// ended, recorded as lost, and their tasks queued again; so are tasks that stop_all() had stopped. What finished is
+  /// never run again. `loop`, `launcher` and `journal` must outlive the pilot.
+  static Result<std::unique_ptr<Pilot>> open(PilotOptions options, EventLoop& loop, Launcher& launcher,
+                                             Journal& journal);
   ~Pilot();
 
-  /// Queues a task; it starts from the loop, never within this call. A task of the same name that the journal knows is not
-  /// queued again: its id comes back, and if it has ended, on_end is called for it again, from the loop.
-  /// Errors: more cores than the machine has, unknown name in after[], same name but another spec, a full disk.
+  /// Queues a task; it starts from the loop, never within this call. A task of the same name that the journal knows is
+  /// not queued again: its id comes back, and if it has ended, on_end is called for it again, from the loop. Errors:
+  /// more cores than the machine has, unknown name in after[], same name but another spec, a full disk.
   Result<TaskId> submit(TaskSpec spec);
 
   /// Ends a task gracefully and for good (state stopped). A task that has ended is left alone.
   void stop(TaskId id, const std::string& reason);
-  /// Starts nothing any more and ends all that runs, gracefully; then idle. A pilot opened later on the same journal goes on.
+  /// Starts nothing any more and ends all that runs, gracefully; then idle. A pilot opened later on the same journal
+  /// goes on.
   void stop_all(const std::string& reason);
   bool stopping() const;
 
@@ -84,7 +86,8 @@ class Pilot {
   const Machine& machine() const;
   Usage usage() const;
   std::vector<Interval> timeline() const;
-  /// {time_s, stopping, cores, busy_cores, counts: {waiting: 3, ...}, tasks: [{name, state, attempt, cores, seconds}] (running ones)}
+  /// {time_s, stopping, cores, busy_cores, counts: {waiting: 3, ...}, tasks: [{name, state, attempt, cores, seconds}]
+  /// (running ones)}
   json::Value status() const;
   /// Why a task waits, or what it did and what it cost, in words. Error: no such task (with a suggestion).
   Result<std::string> explain(const std::string& name) const;

@@ -42,7 +42,8 @@ std::vector<Interval> timeline_of(const Table& table, double now) {
       for (std::size_t p = 0; p < attempt.pieces.size(); ++p) {
         const Piece& piece = attempt.pieces[p];
         const bool ended = piece.end >= 0.0, last = p + 1 == attempt.pieces.size();
-        const TaskState outcome = !last || (ended && attempt.outcome == TaskState::running) ? TaskState::suspended : attempt.outcome;
+        const TaskState outcome =
+            !last || (ended && attempt.outcome == TaskState::running) ? TaskState::suspended : attempt.outcome;
         timeline.push_back({task.id, task.spec.name, attempt.number, task.spec.fill, piece.cores, piece.start,
                             ended ? piece.end : now, ended, outcome});
       }

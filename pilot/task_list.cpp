@@ -6,8 +6,8 @@
 namespace granary::pilot {
 namespace {
 
-/// Tasks in an order in which each comes after those it depends on; else as in the document. Those of a circle come last:
-/// submitting them says what is wrong.
+/// Tasks in an order in which each comes after those it depends on; else as in the document. Those of a circle come
+/// last: submitting them says what is wrong.
 std::vector<const TaskSpec*> in_order_of_dependency(const std::vector<TaskSpec>& tasks) {
   std::vector<const TaskSpec*> ordered, left;
   std::set<std::string> placed;

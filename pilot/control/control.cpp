@@ -55,7 +55,8 @@ struct ControlServer::State {
       return;
     }
     connections.emplace(fd, Connection{});
-    loop.watch(fd, [this, fd] { readable(fd); }, false);
+    loop.watch(
+        fd, [this, fd] { readable(fd); }, false);
     listen_on(fd);
   }
 
@@ -124,7 +125,8 @@ ControlServer::~ControlServer() = default;
 Result<ControlServer> ControlServer::listen(RealLoop& loop, const std::filesystem::path& dir, Answer answer) {
   GRANARY_TRY(const int listener, listen_at(dir));
   std::unique_ptr<State> state(new State{loop, dir, std::move(answer), listener, {}});
-  loop.watch(listener, [s = state.get()] { s->accept_one(); }, false);
+  loop.watch(
+      listener, [s = state.get()] { s->accept_one(); }, false);
   return ControlServer(std::move(state));
 }
 
@@ -132,7 +134,8 @@ Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Valu
   const int fd = connect_to(dir);
   if (fd < 0) {
     if (errno == ENOENT || errno == ECONNREFUSED || errno == ENOTDIR) {
-      return Error{fmt::format("{}: no pilot is running on this folder. `granary resume {}` goes on with it.", dir.string(), dir.string())};
+      return Error{fmt::format("{}: no pilot is running on this folder. `granary resume {}` goes on with it.",
+                               dir.string(), dir.string())};
     }
     return Error{fmt::format("{}/control.sock: cannot connect: {}", dir.string(), std::strerror(errno))};
   }
@@ -153,12 +156,15 @@ Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Valu
   }
   close(fd);
   if (!said) {
-    return Error{fmt::format("{}: the pilot did not answer within {:g} s (it refuses other users, and may just be ending)",
-                             dir.string(), timeout_s), Exit::internal};
+    return Error{
+        fmt::format("{}: the pilot did not answer within {:g} s (it refuses other users, and may just be ending)",
+                    dir.string(), timeout_s),
+        Exit::internal};
   }
   text.pop_back();
   GRANARY_TRY(json::Value answer, json::parse(text, "answer"));
-  if (const json::Value* error = answer.find("error"); error != nullptr && error->is_string()) return Error{error->as_string()};
+  if (const json::Value* error = answer.find("error"); error != nullptr && error->is_string())
+    return Error{error->as_string()};
   return answer;
 }
 

@@ -14,8 +14,8 @@ namespace granary::pilot {
 /// Largest message either side takes [bytes]; a longer one ends the connection with an error.
 inline constexpr std::size_t kLargestMessage = 1 << 20;
 
-/// Listens as long as it lives. `loop` must outlive it; the caller holds the folder's RunLock (so a socket file that is there
-/// already is a dead pilot's and is replaced).
+/// Listens as long as it lives. `loop` must outlive it; the caller holds the folder's RunLock (so a socket file that is
+/// there already is a dead pilot's and is replaced).
 class ControlServer {
  public:
   using Answer = std::function<json::Value(const json::Value& request)>;
@@ -30,8 +30,8 @@ class ControlServer {
   std::unique_ptr<State> state_;
 };
 
-/// Asks the pilot of a folder: {"ask": "status"}. Errors: no pilot alive there (says so, and what to do), no answer in time,
-/// an answer with "error" in it.
+/// Asks the pilot of a folder: {"ask": "status"}. Errors: no pilot alive there (says so, and what to do), no answer in
+/// time, an answer with "error" in it.
 Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Value& request, double timeout_s = 5.0);
 /// Whether a pilot is alive on the folder.
 bool pilot_is_alive(const std::filesystem::path& dir);

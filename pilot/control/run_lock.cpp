@@ -13,8 +13,8 @@
 namespace granary::pilot {
 namespace {
 
-// An "open file description" lock: it goes when the last copy of our descriptor does, whatever kills us, and others can ask
-// for it without taking it.
+// An "open file description" lock: it goes when the last copy of our descriptor does, whatever kills us, and others can
+// ask for it without taking it.
 struct flock whole_file() {
   struct flock lock = {};
   lock.l_type = F_WRLCK;
@@ -34,10 +34,12 @@ Result<RunLock> RunLock::take(const std::filesystem::path& dir) {
   RunLock lock(fd);
   struct flock wanted = whole_file();
   if (fcntl(fd, F_OFD_SETLK, &wanted) != 0) {
-    if (errno != EAGAIN && errno != EACCES) return Error{fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno))};
+    if (errno != EAGAIN && errno != EACCES)
+      return Error{fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno))};
     const std::string pid = read_text(file).value_or("?");
-    return Error{fmt::format("{}: a pilot is running on this folder (process {}). See `granary status`, or end it with `granary stop`.",
-                             dir.string(), pid.substr(0, pid.find('\n')))};
+    return Error{fmt::format(
+        "{}: a pilot is running on this folder (process {}). See `granary status`, or end it with `granary stop`.",
+        dir.string(), pid.substr(0, pid.find('\n')))};
   }
   const std::string pid = fmt::format("{}\n", getpid());
   // Only for people to read: a full disk must not keep us from resuming.

@@ -15,7 +15,8 @@ namespace {
 
 constexpr const char* kSocketName = "control.sock";
 
-/// Calls `use` with the socket's address. A socket's path holds 107 bytes; ours goes through the open folder's short name.
+/// Calls `use` with the socket's address. A socket's path holds 107 bytes; ours goes through the open folder's short
+/// name.
 template <class Use>
 int with_address(const std::filesystem::path& dir, Use use) {
   const int folder = open(dir.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
@@ -42,7 +43,8 @@ Result<int> listen_at(const std::filesystem::path& dir) {
   if (fd < 0) return failed("no socket");
   // The mode is set by the umask at the very moment the file is made: it is never open to others.
   const mode_t before = umask(0177);
-  const int bound = with_address(dir, [fd](const sockaddr* address, socklen_t size) { return bind(fd, address, size); });
+  const int bound =
+      with_address(dir, [fd](const sockaddr* address, socklen_t size) { return bind(fd, address, size); });
   umask(before);
   if (bound != 0 || listen(fd, 16) != 0) {
     Error error = failed("cannot listen");
@@ -55,7 +57,8 @@ Result<int> listen_at(const std::filesystem::path& dir) {
 int connect_to(const std::filesystem::path& dir) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return -1;
-  if (with_address(dir, [fd](const sockaddr* address, socklen_t size) { return connect(fd, address, size); }) == 0) return fd;
+  if (with_address(dir, [fd](const sockaddr* address, socklen_t size) { return connect(fd, address, size); }) == 0)
+    return fd;
   const int code = errno;
   close(fd);
   errno = code;

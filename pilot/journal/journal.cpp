@@ -18,7 +18,8 @@ namespace granary::pilot {
 namespace {
 
 constexpr std::uint64_t kReserveStep = 256 * 1024;  ///< asked of the file system at a time [bytes]
-constexpr std::uint64_t kReserveLow = 64 * 1024;    ///< below this it is asked again: room for the last words of many tasks
+constexpr std::uint64_t kReserveLow =
+    64 * 1024;  ///< below this it is asked again: room for the last words of many tasks
 
 // A line is BODY,"sum":"0123456789abcdef"} where BODY is the object without its closing brace.
 constexpr std::string_view kSumOpens = ",\"sum\":\"";
@@ -36,7 +37,8 @@ std::string line_of(std::uint64_t sequence, double wall_time, const std::string&
 bool has_good_sum(std::string_view line) {
   if (line.size() <= kSumLength) return false;
   const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
-  return sum.starts_with(kSumOpens) && sum.ends_with("\"}") && sum.substr(kSumOpens.size(), kSumDigits) == fingerprint(body);
+  return sum.starts_with(kSumOpens) && sum.ends_with("\"}") &&
+         sum.substr(kSumOpens.size(), kSumDigits) == fingerprint(body);
 }
 
 /// The record of a line without its newline; nothing if the line is damaged or out of sequence.
@@ -63,8 +65,11 @@ bool any_good_line(std::string_view text, std::size_t begin) {
 
 Error write_error(const std::filesystem::path& file, int code) {
   if (code == ENOSPC || code == EDQUOT) {
-    return {fmt::format("{}: the disk is full ({}). Make room and go on with `granary resume`; nothing that has finished is lost.",
-                        file.string(), std::strerror(code)), Exit::stopped};
+    return {
+        fmt::format(
+            "{}: the disk is full ({}). Make room and go on with `granary resume`; nothing that has finished is lost.",
+            file.string(), std::strerror(code)),
+        Exit::stopped};
   }
   return {fmt::format("{}: cannot be written: {}", file.string(), std::strerror(code)), Exit::stopped};
 }
@@ -89,9 +94,10 @@ Result<JournalContent> read_journal(const std::filesystem::path& file) {
     auto record = record_of(std::string_view(text).substr(begin, end - begin), content.records.size() + 1);
     if (!record) {
       if (any_good_line(text, begin)) {
-        return Error{fmt::format("{}: line {} is damaged or missing, but good ones follow: this is no torn tail, somebody changed the file. "
-                                 "Restore it from a copy, or start anew in another folder (--dir).",
-                                 file.string(), content.records.size() + 1)};
+        return Error{fmt::format(
+            "{}: line {} is damaged or missing, but good ones follow: this is no torn tail, somebody changed the file. "
+            "Restore it from a copy, or start anew in another folder (--dir).",
+            file.string(), content.records.size() + 1)};
       }
       break;
     }
@@ -149,7 +155,8 @@ Journal::~Journal() {
   if (fd_ < 0) return;
   (void)sync();
   // Gives back what the file system has reserved behind the last record.
-  if (reserved_ > size_ && ::ftruncate(fd_, static_cast<off_t>(size_)) != 0) { /* it stays reserved, no harm */ }
+  if (reserved_ > size_ && ::ftruncate(fd_, static_cast<off_t>(size_)) != 0) { /* it stays reserved, no harm */
+  }
   ::close(fd_);
 }
 

@@ -27,8 +27,8 @@ struct JournalContent {
   std::size_t dropped_bytes = 0;  ///< of a torn or corrupt tail behind them
 };
 
-/// Reads without changing the file. A file that does not exist is an empty journal. Only the tail may be damaged: a bad line
-/// with a good one behind it is an error that names the line.
+/// Reads without changing the file. A file that does not exist is an empty journal. Only the tail may be damaged: a bad
+/// line with a good one behind it is an error that names the line.
 Result<JournalContent> read_journal(const std::filesystem::path& file);
 
 class Journal {
@@ -49,7 +49,8 @@ class Journal {
   /// The record has reached the kernel when this returns (a kill of the pilot loses nothing; sync() for a power cut).
   /// Error: the disk is full or failing; then the file still ends with a whole record.
   Status append(const std::string& kind, const json::Value& payload);
-  /// Nothing, or why the next append() may fail: space for the last words is kept in reserve, and this says when it is touched.
+  /// Nothing, or why the next append() may fail: space for the last words is kept in reserve, and this says when it is
+  /// touched.
   Status healthy() const;
   /// Waits until the disk has what was appended.
   Status sync();

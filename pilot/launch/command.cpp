@@ -32,12 +32,14 @@ void set(std::vector<std::string>& env, std::string_view key, std::string_view v
 
 }  // namespace
 
-Result<std::string> find_executable(const std::string& command, const std::filesystem::path& dir, std::string_view path) {
+Result<std::string> find_executable(const std::string& command, const std::filesystem::path& dir,
+                                    std::string_view path) {
   if (command.find('/') != std::string::npos) {
     const std::filesystem::path file = dir / command;
     if (is_executable(file)) return file.string();
-    return Error{fmt::format("{}: {}", file.string(), is_file(file) ? "is not executable (chmod +x)" : "no such program"),
-                 Exit::task_failed};
+    return Error{
+        fmt::format("{}: {}", file.string(), is_file(file) ? "is not executable (chmod +x)" : "no such program"),
+        Exit::task_failed};
   }
   for (std::size_t begin = 0; begin <= path.size();) {
     const std::size_t end = std::min(path.find(':', begin), path.size());
@@ -45,7 +47,8 @@ Result<std::string> find_executable(const std::string& command, const std::files
     if (!folder.empty() && is_executable(folder / command)) return (folder / command).string();
     begin = end + 1;
   }
-  return Error{fmt::format("{}: no such program in PATH ({}). Install it, or give its full path.", command, path), Exit::task_failed};
+  return Error{fmt::format("{}: no such program in PATH ({}). Install it, or give its full path.", command, path),
+               Exit::task_failed};
 }
 
 std::string_view variable(const std::vector<std::string>& env, std::string_view key) {
@@ -77,13 +80,14 @@ std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std
   std::vector<std::string> argv{"mpirun"};
   if (as_root) argv.emplace_back("--allow-run-as-root");
   argv.insert(argv.end(), {"-n", std::to_string(launch.spec.ranks)});
-  // On one node, shared memory is all that is needed; not looking for networks makes the start three times faster. Who sets
-  // these in the environment knows better.
+  // On one node, shared memory is all that is needed; not looking for networks makes the start three times faster. Who
+  // sets these in the environment knows better.
   if (variable(env, "OMPI_MCA_pml").empty() && variable(env, "OMPI_MCA_btl").empty()) {
     argv.insert(argv.end(), {"--mca", "pml", "ob1", "--mca", "btl", "self,vader"});
   }
   if (launch.cores.size() < static_cast<std::size_t>(launch.spec.ranks)) {
-    argv.insert(argv.end(), {"--oversubscribe", "--bind-to", "none"});  // more ranks than cores: they share the inherited mask
+    argv.insert(argv.end(),
+                {"--oversubscribe", "--bind-to", "none"});  // more ranks than cores: they share the inherited mask
   } else {
     // mpirun ignores its own affinity mask: without this, two at once would both pin their ranks from core 0 on.
     argv.insert(argv.end(), {"--mca", "rmaps_rank_file_physical", "1", "--rankfile", rank_file.string()});

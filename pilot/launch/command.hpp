@@ -12,12 +12,13 @@
 
 namespace granary::pilot {
 
-/// The file that would be executed: `command` itself if it has a '/' (a relative one from `dir`), else the first in `path`
-/// (as in $PATH). Error: there is none, or it may not be executed; names the PATH searched.
-Result<std::string> find_executable(const std::string& command, const std::filesystem::path& dir, std::string_view path);
+/// The file that would be executed: `command` itself if it has a '/' (a relative one from `dir`), else the first in
+/// `path` (as in $PATH). Error: there is none, or it may not be executed; names the PATH searched.
+Result<std::string> find_executable(const std::string& command, const std::filesystem::path& dir,
+                                    std::string_view path);
 
-/// Our environment plus OMP_NUM_THREADS, OMP_PLACES, OMP_PROC_BIND, GRANARY_MARK, GRANARY_TASK, GRANARY_ATTEMPT; the task's
-/// own `env` has the last word. KEY=VALUE, each key once.
+/// Our environment plus OMP_NUM_THREADS, OMP_PLACES, OMP_PROC_BIND, GRANARY_MARK, GRANARY_TASK, GRANARY_ATTEMPT; the
+/// task's own `env` has the last word. KEY=VALUE, each key once.
 std::vector<std::string> environment_of(const Launch& launch, const std::vector<std::string>& ours);
 /// The value of a variable in such a list; "" if it is not there.
 std::string_view variable(const std::vector<std::string>& env, std::string_view key);

@@ -29,9 +29,9 @@ struct ProcessKey {
 };
 
 struct RunEnd {
-  int exit_code = -1;        ///< -1: ended by a signal
-  int signal = 0;            ///< 0: none
-  double cpu_s = 0.0;        ///< user and system time of all its processes that were waited for [s]
+  int exit_code = -1;                          ///< -1: ended by a signal
+  int signal = 0;                              ///< 0: none
+  double cpu_s = 0.0;                          ///< user and system time of all its processes that were waited for [s]
   std::vector<std::filesystem::path> missing;  ///< produces[] that do not exist; only looked for after exit code 0
 };
 
@@ -50,8 +50,8 @@ class Launcher {
   virtual void suspend(AttemptId attempt) = 0;
   /// Goes on, on these cores (pinned anew if they are others than before).
   virtual void resume(AttemptId attempt, const std::vector<int>& cores) = 0;
-  /// Before a retry: moves what the `earlier` attempt wrote into NAME.attempt-N/ beside it: its output files, what it should
-  /// produce and, where the folder is the task's own, whatever was written there since it started.
+  /// Before a retry: moves what the `earlier` attempt wrote into NAME.attempt-N/ beside it: its output files, what it
+  /// should produce and, where the folder is the task's own, whatever was written there since it started.
   virtual Status set_aside(const Launch& earlier, bool own_folder) = 0;
   /// After a crash of the pilot: ends what still runs of an attempt. True if anything did.
   virtual bool end_orphan(const ProcessKey& key, const std::string& mark) = 0;

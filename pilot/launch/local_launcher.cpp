@@ -48,7 +48,9 @@ std::vector<std::string> our_environment() {
   return env;
 }
 
-int open_output(const fs::path& file) { return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644); }
+int open_output(const fs::path& file) {
+  return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+}
 
 /// Opens an output file; its folder is made when it turns out to be missing, which costs nothing in the usual case.
 Result<int> make_output(const fs::path& file) {
@@ -58,7 +60,8 @@ Result<int> make_output(const fs::path& file) {
     fd = open_output(file);
   }
   if (fd >= 0) return fd;
-  return Error{fmt::format("{}: cannot be opened for the task's output: {}", file.string(), std::strerror(errno)), Exit::task_failed};
+  return Error{fmt::format("{}: cannot be opened for the task's output: {}", file.string(), std::strerror(errno)),
+               Exit::task_failed};
 }
 
 }  // namespace
@@ -117,7 +120,8 @@ struct LocalLauncher::State {
       return;
     }
     if (!strays.empty()) {
-      log::warning("pilot", fmt::format("task {}: process {} does not end even after SIGKILL", run.launch.spec.name, strays.front()));
+      log::warning("pilot", fmt::format("task {}: process {} does not end even after SIGKILL", run.launch.spec.name,
+                                        strays.front()));
     }
     finish(attempt);
   }
@@ -159,7 +163,8 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
   if (access(launch.dir.c_str(), F_OK) != 0) GRANARY_CHECK(make_folders(launch.dir));
   if (uses_mpirun(launch.spec)) {
     // mpirun would report a missing program too, but with an exit code of its own and a page of text.
-    GRANARY_TRY(const std::string checked, find_executable(launch.spec.command[0], launch.dir, variable(request.env, "PATH")));
+    GRANARY_TRY(const std::string checked,
+                find_executable(launch.spec.command[0], launch.dir, variable(request.env, "PATH")));
     const fs::path rank_file = launch.dir / (launch.spec.name + ".ranks");
     GRANARY_CHECK(write_text_atomically(rank_file, rank_file_text(launch, state_->machine)));
     request.argv = mpirun_argv(launch, request.env, rank_file, geteuid() == 0);
@@ -177,7 +182,8 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
   GRANARY_TRY(const Spawned process, spawn(request));
 
   const AttemptId attempt = launch.attempt;
-  state_->running.emplace(attempt, State::Running{launch, process.pid, process.pidfd, false, false, {}, std::move(ended)});
+  state_->running.emplace(attempt,
+                          State::Running{launch, process.pid, process.pidfd, false, false, {}, std::move(ended)});
   state_->loop.watch(process.pidfd, [state = state_.get(), attempt] { state->first_process_ended(attempt); });
   return ProcessKey{process.pid, start_ticks(process.pid)};
 }
@@ -220,7 +226,9 @@ void LocalLauncher::resume(AttemptId attempt, const std::vector<int>& cores) {
   signal_marked(run->launch.mark, SIGCONT);
 }
 
-Status LocalLauncher::set_aside(const Launch& earlier, bool own_folder) { return set_aside_attempt(earlier, own_folder); }
+Status LocalLauncher::set_aside(const Launch& earlier, bool own_folder) {
+  return set_aside_attempt(earlier, own_folder);
+}
 
 bool LocalLauncher::end_orphan(const ProcessKey& key, const std::string& mark) {
   bool any = false;

@@ -75,7 +75,8 @@ void pin_marked(const std::string& mark, const std::vector<int>& cpus) {
   CPU_ZERO(&set);
   for (const int cpu : cpus) CPU_SET(cpu, &set);
   for (const int pid : marked_processes(mark)) {
-    for (const int thread : numbered_entries(fmt::format("/proc/{}/task", pid))) (void)sched_setaffinity(thread, sizeof set, &set);
+    for (const int thread : numbered_entries(fmt::format("/proc/{}/task", pid)))
+      (void)sched_setaffinity(thread, sizeof set, &set);
   }
 }
 

@@ -1,5 +1,5 @@
-// All processes of an attempt, wherever they went: ranks in process groups of their own, daemons, orphans. They are known by
-// the mark in their environment, which children inherit.
+// All processes of an attempt, wherever they went: ranks in process groups of their own, daemons, orphans. They are
+// known by the mark in their environment, which children inherit.
 #pragma once
 
 #include <string>

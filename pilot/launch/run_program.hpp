@@ -12,8 +12,8 @@ namespace granary::pilot {
 struct ProgramOutput {
   int exit_code = -1;  ///< -1: ended by a signal
   int signal = 0;
-  std::string out;     ///< what it wrote to stdout
-  std::string err;     ///< and to stderr
+  std::string out;  ///< what it wrote to stdout
+  std::string err;  ///< and to stderr
 };
 
 /// argv is executed as it is (argv[0] is looked up in PATH), `input` goes to its stdin. Blocks until it has ended.

@@ -50,7 +50,8 @@ Status set_aside_attempt(const Launch& earlier, bool own_folder) {
     const std::string kept_before = earlier.spec.name + ".attempt-";
     for (const auto& entry : fs::directory_iterator(earlier.dir, error)) {
       const auto changed = change_of(entry.path());
-      if (changed && *changed > *started && !entry.path().filename().string().starts_with(kept_before)) files.insert(entry.path());
+      if (changed && *changed > *started && !entry.path().filename().string().starts_with(kept_before))
+        files.insert(entry.path());
     }
   }
   for (const fs::path& file : files) {
@@ -63,7 +64,8 @@ Status set_aside_attempt(const Launch& earlier, bool own_folder) {
     fs::create_directories(target.parent_path(), error);
     if (!error) fs::rename(file, target, error);
     if (error) {
-      return Error{fmt::format("{}: cannot be kept as {} before the next attempt: {}", file.string(), target.string(), error.message()),
+      return Error{fmt::format("{}: cannot be kept as {} before the next attempt: {}", file.string(), target.string(),
+                               error.message()),
                    Exit::task_failed};
     }
   }

@@ -12,8 +12,8 @@ namespace granary::pilot {
 std::filesystem::path stdout_path(const Launch& launch);
 std::filesystem::path stderr_path(const Launch& launch);
 
-/// Moves them, what the attempt should produce and, in a folder of its own, whatever was written there after the attempt
-/// started, into DIR/NAME.attempt-N/.
+/// Moves them, what the attempt should produce and, in a folder of its own, whatever was written there after the
+/// attempt started, into DIR/NAME.attempt-N/.
 Status set_aside_attempt(const Launch& earlier, bool own_folder);
 
 }  // namespace granary::pilot

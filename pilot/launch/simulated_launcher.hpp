@@ -11,11 +11,11 @@ namespace granary::pilot {
 
 /// What a task would do.
 struct SimulatedRun {
-  double seconds = 0.0;      ///< running time (not counting suspension) until it ends by itself
+  double seconds = 0.0;  ///< running time (not counting suspension) until it ends by itself
   int exit_code = 0;
-  double stop_after = 0.0;   ///< [s] from its stop signal to its end
-  int stop_exit_code = 0;    ///< exit code after its stop signal
-  bool ignores_stop = false; ///< only SIGKILL ends it early
+  double stop_after = 0.0;       ///< [s] from its stop signal to its end
+  int stop_exit_code = 0;        ///< exit code after its stop signal
+  bool ignores_stop = false;     ///< only SIGKILL ends it early
   std::function<void()> at_end;  ///< called just before its end is reported, however it ends (may be empty)
 };
 
@@ -35,11 +35,11 @@ class SimulatedLauncher final : public Launcher {
   struct Run {
     SimulatedRun plan;
     int cores = 0;
-    double left = 0.0;     ///< running time still to come [s]
-    double since = 0.0;    ///< clock when `left` was last true [s]
+    double left = 0.0;   ///< running time still to come [s]
+    double since = 0.0;  ///< clock when `left` was last true [s]
     double cpu_s = 0.0;
     bool suspended = false;
-    RunEnd end;            ///< what it will end with
+    RunEnd end;  ///< what it will end with
     TimerId timer = TimerId::none;
     std::function<void(const RunEnd&)> ended;
   };

@@ -45,7 +45,8 @@ int run_child(void* argument) {
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < 32; ++signal) (void)sigaction(signal, &standard, nullptr);
   if (setsid() < 0) return fail(child, Stage::session);
-  if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0) return fail(child, Stage::affinity);
+  if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0)
+    return fail(child, Stage::affinity);
   if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);
   if (dup2(child->in, 0) < 0 || dup2(child->out, 1) < 0 || dup2(child->err, 2) < 0) return fail(child, Stage::files);
   // Whatever a library of ours has left open is none of the program's business.
@@ -60,7 +61,8 @@ int run_child(void* argument) {
 /// A stack for children, used by one at a time: the parent sleeps until the child has executed its program.
 void* child_stack_top() {
   constexpr std::size_t kSize = 64 * 1024;
-  static void* const stack = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK, -1, 0);
+  static void* const stack =
+      mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_STACK, -1, 0);
   return stack == MAP_FAILED ? nullptr : static_cast<char*>(stack) + kSize;
 }
 
@@ -85,9 +87,12 @@ Error spawn_error(const SpawnRequest& request, Stage stage, int code) {
       for (const int cpu : request.cpus) cpus += fmt::format("{}{}", cpus.empty() ? "" : ",", cpu);
       return {fmt::format("{}: cannot be pinned to CPU(s) {}: {}", request.file, cpus, why), Exit::task_failed};
     }
-    case Stage::folder: return {fmt::format("{}: the working folder cannot be entered: {}", request.dir, why), Exit::task_failed};
-    case Stage::execute: return {fmt::format("{}: cannot be executed: {}", request.file, why), Exit::task_failed};
-    default: return {fmt::format("{}: cannot be started: {}", request.file, why), Exit::task_failed};
+    case Stage::folder:
+      return {fmt::format("{}: the working folder cannot be entered: {}", request.dir, why), Exit::task_failed};
+    case Stage::execute:
+      return {fmt::format("{}: cannot be executed: {}", request.file, why), Exit::task_failed};
+    default:
+      return {fmt::format("{}: cannot be started: {}", request.file, why), Exit::task_failed};
   }
 }
 
@@ -135,7 +140,9 @@ ProcessEnd reap(int pidfd) {
   while (syscall(SYS_waitid, P_PIDFD, pidfd, &info, WEXITED, &usage) != 0) {
     if (errno != EINTR) return {};
   }
-  const auto seconds = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
   ProcessEnd end;
   end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   if (info.si_code == CLD_EXITED) {

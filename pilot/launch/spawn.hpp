@@ -11,36 +11,37 @@
 namespace granary::pilot {
 
 struct SpawnRequest {
-  std::string file;               ///< the executable; a relative one is taken from `dir`
+  std::string file;  ///< the executable; a relative one is taken from `dir`
   std::vector<std::string> argv;
-  std::vector<std::string> env;   ///< KEY=VALUE, all of it
-  std::string dir;                ///< working folder; empty: ours
-  std::vector<int> cpus;          ///< the operating system's CPU numbers to run on; empty: ours
-  int stdin_fd = -1;              ///< -1: /dev/null
-  int stdout_fd = -1;             ///< -1: /dev/null, as for stderr
+  std::vector<std::string> env;  ///< KEY=VALUE, all of it
+  std::string dir;               ///< working folder; empty: ours
+  std::vector<int> cpus;         ///< the operating system's CPU numbers to run on; empty: ours
+  int stdin_fd = -1;             ///< -1: /dev/null
+  int stdout_fd = -1;            ///< -1: /dev/null, as for stderr
   int stderr_fd = -1;
 };
 
 struct Spawned {
   int pid = 0;
-  int pidfd = -1;                 ///< readable when it has ended; the caller closes it
+  int pidfd = -1;  ///< readable when it has ended; the caller closes it
 };
 
 /// How a process ended, and what it cost.
 struct ProcessEnd {
-  int exit_code = -1;             ///< -1: ended by a signal
+  int exit_code = -1;  ///< -1: ended by a signal
   int signal = 0;
-  double cpu_s = 0.0;             ///< of it and the children it waited for [s]
+  double cpu_s = 0.0;  ///< of it and the children it waited for [s]
 };
 
-/// Starts a process that leads a session and process group of its own. The cost does not grow with our own memory (vfork
-/// semantics), and a failure of execve comes back here, not as an exit code.
+/// Starts a process that leads a session and process group of its own. The cost does not grow with our own memory
+/// (vfork semantics), and a failure of execve comes back here, not as an exit code.
 Result<Spawned> spawn(const SpawnRequest& request);
 
 /// Takes the end of a process whose pidfd is readable (waits for it if not).
 ProcessEnd reap(int pidfd);
 
-/// Field 22 of /proc/PID/stat: with the pid, it tells a process from a later one of the same number. 0: no such process.
+/// Field 22 of /proc/PID/stat: with the pid, it tells a process from a later one of the same number. 0: no such
+/// process.
 std::uint64_t start_ticks(int pid);
 
 }  // namespace granary::pilot

@@ -168,10 +168,11 @@ void RealLoop::unwatch(int fd) {
 void RealLoop::when_writable(int fd, std::function<void()> fn) {
   const auto found = state_->watches.find(fd);
   GRANARY_ASSERT(found != state_->watches.end(), fd);
-  found->second->descriptor.async_wait(asio::posix::stream_descriptor::wait_write,
-                                       [watch = found->second, fn = std::move(fn)](const boost::system::error_code& error) {
-                                         if (!error && watch->descriptor.is_open()) fn();
-                                       });
+  found->second->descriptor.async_wait(
+      asio::posix::stream_descriptor::wait_write,
+      [watch = found->second, fn = std::move(fn)](const boost::system::error_code& error) {
+        if (!error && watch->descriptor.is_open()) fn();
+      });
 }
 
 }  // namespace granary::pilot

@@ -25,8 +25,8 @@ class RealLoop final : public EventLoop {
   /// Calls `fn` each time one of these signals arrives (SIGINT, SIGTERM, ...) instead of the default action. A signal
   /// handler does not keep run() going.
   void on_signals(const std::vector<int>& signals, std::function<void(int)> fn);
-  /// Calls `fn` each time `fd` (a socket, pidfd, pipe) is readable, until unwatch(fd). The caller keeps and closes fd, after
-  /// unwatch(). `keeps_running`: whether run() goes on for its sake alone.
+  /// Calls `fn` each time `fd` (a socket, pidfd, pipe) is readable, until unwatch(fd). The caller keeps and closes fd,
+  /// after unwatch(). `keeps_running`: whether run() goes on for its sake alone.
   void watch(int fd, std::function<void()> fn, bool keeps_running = true);
   void unwatch(int fd);
   /// Calls `fn` once, when a watched `fd` takes more output.

@@ -1,4 +1,5 @@
-// An event loop on virtual time: run() jumps from event to event. Deterministic; an hour of campaign takes microseconds.
+// An event loop on virtual time: run() jumps from event to event. Deterministic; an hour of campaign takes
+// microseconds.
 #pragma once
 
 #include <map>

@@ -13,8 +13,8 @@ Status check_fits(const TaskSpec& spec, const Machine& machine) {
   if (spec.cores() == 0) return {};
   const int nodes = fewest_nodes(spec, machine);
   if (nodes == 0) {
-    const std::string need = fmt::format("needs {} core(s) ({} rank(s) x {} thread(s){})", spec.cores(), spec.ranks, spec.threads,
-                                         spec.nodes > 0 ? fmt::format(" on {} node(s)", spec.nodes) : "");
+    const std::string need = fmt::format("needs {} core(s) ({} rank(s) x {} thread(s){})", spec.cores(), spec.ranks,
+                                         spec.threads, spec.nodes > 0 ? fmt::format(" on {} node(s)", spec.nodes) : "");
     return Error{fmt::format("{}, but there are {} on {} node(s), the largest with {}", need, machine.n_cores(),
                              machine.nodes.size(), machine.largest_node())};
   }
@@ -25,8 +25,8 @@ Status check_fits(const TaskSpec& spec, const Machine& machine) {
     largest = std::max(largest, node.memory_bytes);
   }
   if (share > largest) {
-    return Error{fmt::format("needs {:.3g} GB on a node, but the largest has {:.3g} GB", static_cast<double>(share) * 1e-9,
-                             static_cast<double>(largest) * 1e-9)};
+    return Error{fmt::format("needs {:.3g} GB on a node, but the largest has {:.3g} GB",
+                             static_cast<double>(share) * 1e-9, static_cast<double>(largest) * 1e-9)};
   }
   return {};
 }
@@ -35,7 +35,8 @@ namespace {
 
 class Checker {
  public:
-  Checker(std::span<const TaskSpec> tasks, const std::string& file, json::Problems& problems, const std::string& pointer)
+  Checker(std::span<const TaskSpec> tasks, const std::string& file, json::Problems& problems,
+          const std::string& pointer)
       : tasks_(tasks), file_(file), problems_(problems), pointer_(pointer) {}
 
   void names() {
@@ -110,13 +111,14 @@ class Checker {
       if (fits) continue;
       const bool too_many_ranks = tasks_[k].ranks >= tasks_[k].threads;
       const int count = too_many_ranks ? tasks_[k].ranks : tasks_[k].threads;
-      add(k, too_many_ranks ? "ranks" : "threads", std::to_string(count), fmt::format("this task {}.", fits.error().message),
-          "Lower ranks or threads, or give more cores (--cores).");
+      add(k, too_many_ranks ? "ranks" : "threads", std::to_string(count),
+          fmt::format("this task {}.", fits.error().message), "Lower ranks or threads, or give more cores (--cores).");
     }
   }
 
  private:
-  void add(std::size_t task, const std::string& key, const std::string& value, std::string message, std::string hint = "") {
+  void add(std::size_t task, const std::string& key, const std::string& value, std::string message,
+           std::string hint = "") {
     problems_.add({file_, fmt::format("{}/{}/{}", pointer_, task, key), value, std::move(message), std::move(hint)});
   }
 
@@ -129,8 +131,8 @@ class Checker {
 
 }  // namespace
 
-void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const std::string& file, json::Problems& problems,
-                 const std::string& pointer) {
+void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const std::string& file,
+                 json::Problems& problems, const std::string& pointer) {
   Checker checker(tasks, file, problems, pointer);
   checker.names();
   checker.dependencies();

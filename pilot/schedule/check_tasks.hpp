@@ -13,10 +13,11 @@ namespace granary::pilot {
 
 /// Names used twice, unknown and circular dependencies, more cores, nodes or memory than the machine has. Pointers are
 /// `pointer`/INDEX/KEY; the order of `tasks` is that of the document.
-void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const std::string& file, json::Problems& problems,
-                 const std::string& pointer = "/tasks");
+void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const std::string& file,
+                 json::Problems& problems, const std::string& pointer = "/tasks");
 
-/// Whether the task could start on the empty machine; the error's message says what is missing, without the task's name.
+/// Whether the task could start on the empty machine; the error's message says what is missing, without the task's
+/// name.
 Status check_fits(const TaskSpec& spec, const Machine& machine);
 
 }  // namespace granary::pilot

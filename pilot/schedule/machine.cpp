@@ -82,8 +82,10 @@ Result<Machine> local_machine(int cores) {
   const int found = static_cast<int>(node.cpus.size());
   if (found == 0) return Error{"no core of this machine may be used by this process"};
   if (cores > found) {
-    return Error{fmt::format("{} cores were asked for, but this process may use {} physical core(s) of this machine; "
-                             "ask for at most {} (hardware threads do not count)", cores, found, found)};
+    return Error{
+        fmt::format("{} cores were asked for, but this process may use {} physical core(s) of this machine; "
+                    "ask for at most {} (hardware threads do not count)",
+                    cores, found, found)};
   }
   if (cores > 0) node.cpus.resize(static_cast<std::size_t>(cores));
   return Machine{{std::move(node)}};

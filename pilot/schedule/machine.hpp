@@ -26,8 +26,8 @@ struct Machine {
   int cpu_of(int core) const;   ///< the operating system's number of that core on its node
 };
 
-/// This machine: physical cores (not hardware threads) that this process is allowed to run on, in the order of the topology.
-/// `cores` > 0 takes only that many. Error: fewer cores than that are there (says how many).
+/// This machine: physical cores (not hardware threads) that this process is allowed to run on, in the order of the
+/// topology. `cores` > 0 takes only that many. Error: fewer cores than that are there (says how many).
 Result<Machine> local_machine(int cores = 0);
 
 /// A stated machine of equal nodes named node1, node2, ...

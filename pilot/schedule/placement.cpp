@@ -35,7 +35,8 @@ std::vector<int> cores_of_node(const Resources& resources, int node, const std::
   std::vector<int> chosen;
   for (const Use wanted : {Use::free, Use::leaving, Use::filler}) {
     const std::vector<int> cores = cores_of_use(resources, node, use, wanted);
-    const std::vector<int> some = nearest(cores, std::min(cores.size(), static_cast<std::size_t>(count) - chosen.size()));
+    const std::vector<int> some =
+        nearest(cores, std::min(cores.size(), static_cast<std::size_t>(count) - chosen.size()));
     chosen.insert(chosen.end(), some.begin(), some.end());
   }
   std::sort(chosen.begin(), chosen.end());
@@ -48,8 +49,8 @@ std::optional<std::vector<int>> choose_on(int n_nodes, const TaskSpec& spec, con
   struct Candidate {
     int node, free = 0, leaving = 0, lent = 0;  ///< cores of each use
     int available() const { return free + leaving + lent; }
-    /// What is worse about taking `count` cores here: fillers that must give way, then waiting for some to end, then a loose
-    /// fit (large nodes should stay whole).
+    /// What is worse about taking `count` cores here: fillers that must give way, then waiting for some to end, then a
+    /// loose fit (large nodes should stay whole).
     std::array<int, 3> cost(int count) const {
       return {std::max(0, count - free - leaving), std::max(0, count - free), available()};
     }
@@ -96,18 +97,21 @@ int fewest_nodes(const TaskSpec& spec, const Machine& machine) {
   const int high = spec.nodes > 0 ? spec.nodes : std::min<int>(spec.ranks, static_cast<int>(sizes.size()));
   for (int nodes = low; nodes <= high && nodes <= static_cast<int>(sizes.size()); ++nodes) {
     const std::vector<int> counts = cores_by_node(spec, nodes);
-    if (std::equal(counts.begin(), counts.end(), sizes.begin(), [](int need, int size) { return need <= size; })) return nodes;
+    if (std::equal(counts.begin(), counts.end(), sizes.begin(), [](int need, int size) { return need <= size; }))
+      return nodes;
   }
   return 0;
 }
 
-std::optional<std::vector<int>> choose_cores(const TaskSpec& spec, const Resources& resources, const Availability& available) {
+std::optional<std::vector<int>> choose_cores(const TaskSpec& spec, const Resources& resources,
+                                             const Availability& available) {
   const int nodes = fewest_nodes(spec, resources.machine());
   if (nodes == 0) return std::nullopt;
   return choose_on(nodes, spec, resources, available);
 }
 
-void take_memory(const TaskSpec& spec, const std::vector<int>& cores, const Resources& resources, Availability& available) {
+void take_memory(const TaskSpec& spec, const std::vector<int>& cores, const Resources& resources,
+                 Availability& available) {
   if (spec.memory_bytes == 0) return;
   for (const int core : cores) {
     available.free_memory[static_cast<std::size_t>(resources.node_of(core))] -= memory_on_node(spec, 1);

@@ -35,12 +35,12 @@ class Resources {
 
  private:
   Machine machine_;
-  std::vector<TaskId> holder_;    ///< by core
-  std::vector<int> node_of_;      ///< by core
-  std::vector<int> first_core_;   ///< by node, and the end
+  std::vector<TaskId> holder_;              ///< by core
+  std::vector<int> node_of_;                ///< by core
+  std::vector<int> first_core_;             ///< by node, and the end
   std::vector<std::int64_t> memory_taken_;  ///< by node [bytes]
   int n_free_ = 0;
-  std::unordered_map<int, std::vector<int>> cores_of_;  ///< by task id
+  std::unordered_map<int, std::vector<int>> cores_of_;                            ///< by task id
   std::unordered_map<int, std::vector<std::pair<int, std::int64_t>>> memory_of_;  ///< by task id: node, bytes
 };
 

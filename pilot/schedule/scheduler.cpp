@@ -11,7 +11,10 @@ namespace {
 class Scheduler {
  public:
   Scheduler(const Table& table, const Resources& resources)
-      : table_(table), resources_(resources), use_(static_cast<std::size_t>(resources.n_cores())), reserved_(use_.size(), false) {
+      : table_(table),
+        resources_(resources),
+        use_(static_cast<std::size_t>(resources.n_cores())),
+        reserved_(use_.size(), false) {
     for (int node = 0; node < resources.n_nodes(); ++node) memory_.push_back(resources.free_memory(node));
     for (int core = 0; core < resources.n_cores(); ++core) {
       const TaskId holder = resources.holder(core);
@@ -58,7 +61,8 @@ class Scheduler {
     }
   }
 
-  /// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it has.
+  /// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it
+  /// has.
   bool clear(const std::vector<int>& cores) {
     bool one_leaves = false;
     std::set<TaskId> to_suspend, to_kill;

@@ -10,14 +10,25 @@
 
 namespace granary::pilot {
 
-struct StartTask { TaskId id; std::vector<int> cores; };
-struct SuspendFiller { TaskId id; };
-struct KillFiller { TaskId id; };  ///< its cores are free only when it has ended
-struct ResumeFiller { TaskId id; std::vector<int> cores; };
+struct StartTask {
+  TaskId id;
+  std::vector<int> cores;
+};
+struct SuspendFiller {
+  TaskId id;
+};
+struct KillFiller {
+  TaskId id;
+};  ///< its cores are free only when it has ended
+struct ResumeFiller {
+  TaskId id;
+  std::vector<int> cores;
+};
 using Decision = std::variant<StartTask, SuspendFiller, KillFiller, ResumeFiller>;
 
 /// What to do now, in this order. Done by the caller, each decision finds its cores free. Empty: nothing to do.
-///  - Ready tasks go by priority, then by order of submission. One that cannot start reserves the cores it waits for: later ones
+///  - Ready tasks go by priority, then by order of submission. One that cannot start reserves the cores it waits for:
+///  later ones
 ///    use only what is left over, so small tasks never keep a large one waiting for ever.
 ///  - Cores of fillers count as free for ready tasks; the fillers on them give way at once.
 ///  - Fillers get what is idle after that, reserved cores too.

@@ -43,7 +43,8 @@ struct ToJson {
     return value;
   }
   json::Value operator()(const StopAsked& e) const {
-    return json::Value::object({{"time_s", time}, {"id", e.id.value}, {"reason", e.reason}, {"resumable", e.resumable}});
+    return json::Value::object(
+        {{"time_s", time}, {"id", e.id.value}, {"reason", e.reason}, {"resumable", e.resumable}});
   }
   json::Value operator()(const TimedOut& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const GraceOver& e) const { return of_attempt(time, e.attempt); }
@@ -51,7 +52,9 @@ struct ToJson {
   json::Value operator()(const Resumed& e) const { return of_attempt(time, e.attempt).set("cores", of_cores(e.cores)); }
   json::Value operator()(const Preempted& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const Lost& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
-  json::Value operator()(const Reopened& e) const { return json::Value::object({{"time_s", time}, {"id", e.id.value}}); }
+  json::Value operator()(const Reopened& e) const {
+    return json::Value::object({{"time_s", time}, {"id", e.id.value}});
+  }
 };
 
 struct KindOf {
@@ -71,8 +74,11 @@ struct KindOf {
 };
 
 Exited exited(AttemptId attempt, const json::Value& payload) {
-  Exited event{attempt, static_cast<int>(payload.integer_or("exit_code", -1)), static_cast<int>(payload.integer_or("signal", 0)),
-               payload.number_or("cpu_s", 0.0), {}};
+  Exited event{attempt,
+               static_cast<int>(payload.integer_or("exit_code", -1)),
+               static_cast<int>(payload.integer_or("signal", 0)),
+               payload.number_or("cpu_s", 0.0),
+               {}};
   if (const json::Value* missing = payload.find("missing"); missing != nullptr && missing->is_array()) {
     for (const json::Value& file : missing->items()) {
       if (file.is_string()) event.missing.emplace_back(file.as_string());

@@ -13,11 +13,24 @@
 
 namespace granary::pilot {
 
-struct Submitted { TaskId id; TaskSpec spec; };
+struct Submitted {
+  TaskId id;
+  TaskSpec spec;
+};
 /// The scheduler gave it these cores: it starts.
-struct Placed { AttemptId attempt; std::vector<int> cores; };
-struct Started { AttemptId attempt; int pid = 0; std::uint64_t start_ticks = 0; };
-struct StartFailed { AttemptId attempt; std::string reason; };
+struct Placed {
+  AttemptId attempt;
+  std::vector<int> cores;
+};
+struct Started {
+  AttemptId attempt;
+  int pid = 0;
+  std::uint64_t start_ticks = 0;
+};
+struct StartFailed {
+  AttemptId attempt;
+  std::string reason;
+};
 /// All its processes are gone.
 struct Exited {
   AttemptId attempt;
@@ -27,22 +40,42 @@ struct Exited {
   std::vector<std::filesystem::path> missing;  ///< of produces[]
 };
 /// `resumable`: the pilot ends, a later one takes the task up again.
-struct StopAsked { TaskId id; std::string reason; bool resumable = false; };
-struct TimedOut { AttemptId attempt; };
+struct StopAsked {
+  TaskId id;
+  std::string reason;
+  bool resumable = false;
+};
+struct TimedOut {
+  AttemptId attempt;
+};
 /// The grace time after its stop signal is over.
-struct GraceOver { AttemptId attempt; };
+struct GraceOver {
+  AttemptId attempt;
+};
 /// A filler gives way: suspended, resumed (maybe on other cores), or killed to start again later.
-struct Suspended { AttemptId attempt; };
-struct Resumed { AttemptId attempt; std::vector<int> cores; };
-struct Preempted { AttemptId attempt; };
+struct Suspended {
+  AttemptId attempt;
+};
+struct Resumed {
+  AttemptId attempt;
+  std::vector<int> cores;
+};
+struct Preempted {
+  AttemptId attempt;
+};
 /// The pilot or the node died under it.
-struct Lost { AttemptId attempt; std::string reason; };
+struct Lost {
+  AttemptId attempt;
+  std::string reason;
+};
 /// A task that stop_all() had stopped is taken up again.
-struct Reopened { TaskId id; };
+struct Reopened {
+  TaskId id;
+};
 
 struct Event {
-  using What = std::variant<Submitted, Placed, Started, StartFailed, Exited, StopAsked, TimedOut, GraceOver, Suspended, Resumed,
-                            Preempted, Lost, Reopened>;
+  using What = std::variant<Submitted, Placed, Started, StartFailed, Exited, StopAsked, TimedOut, GraceOver, Suspended,
+                            Resumed, Preempted, Lost, Reopened>;
   double time = 0.0;  ///< pilot time [s]
   What what;
 };

@@ -39,8 +39,15 @@ int small_integer(json::Reader& reader, const std::string& key, int otherwise, i
 
 /// "500 MB", "2 GiB": how everybody writes memory; UDUNITS knows only "byte" and its prefixes.
 std::int64_t read_memory(json::Reader& task) {
-  constexpr std::array<std::pair<const char*, double>, 9> kUnits{{{"B", 1.0}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12},
-      {"KiB", 1024.0}, {"MiB", 1048576.0}, {"GiB", 1073741824.0}, {"TiB", 1099511627776.0}}};
+  constexpr std::array<std::pair<const char*, double>, 9> kUnits{{{"B", 1.0},
+                                                                  {"kB", 1e3},
+                                                                  {"MB", 1e6},
+                                                                  {"GB", 1e9},
+                                                                  {"TB", 1e12},
+                                                                  {"KiB", 1024.0},
+                                                                  {"MiB", 1048576.0},
+                                                                  {"GiB", 1073741824.0},
+                                                                  {"TiB", 1099511627776.0}}};
   const json::Value* value = task.raw("memory");
   if (value == nullptr) return 0;
   if (value->is_string()) {
@@ -51,10 +58,12 @@ std::int64_t read_memory(json::Reader& task) {
     unit.erase(0, unit.find_first_not_of(' ') == std::string::npos ? unit.size() : unit.find_first_not_of(' '));
     for (const auto& [name, bytes] : kUnits) {
       const double memory = number * bytes;
-      if (end != text.c_str() && unit == name && memory >= 1.0 && memory <= 1e18) return static_cast<std::int64_t>(memory + 0.5);
+      if (end != text.c_str() && unit == name && memory >= 1.0 && memory <= 1e18)
+        return static_cast<std::int64_t>(memory + 0.5);
     }
   }
-  task.problem("memory", "must be a number above 0 with one of the units B, kB, MB, GB, TB, KiB, MiB, GiB, TiB.", "Write \"2 GB\".");
+  task.problem("memory", "must be a number above 0 with one of the units B, kB, MB, GB, TB, KiB, MiB, GiB, TiB.",
+               "Write \"2 GB\".");
   return 0;
 }
 
@@ -83,7 +92,6 @@ void read_stop(json::Reader& task, TaskSpec& spec) {
   spec.stop.grace = stop->quantity_or("grace", spec.stop.grace, "s", json::Range::positive());
   stop->done();
 }
-
 
 std::vector<std::filesystem::path> paths_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
@@ -126,7 +134,8 @@ TaskSpec read_task(json::Reader& task) {
   spec.stderr_file = task.text_or("stderr", "");
   if (spec.light && spec.fill) task.problem("light", "and fill exclude each other: a light task occupies no core.");
   if (spec.light && (spec.ranks > 1 || spec.threads > 1)) {
-    task.problem("light", "is for one process of one thread: a light task occupies no core.", "Take ranks and threads away.");
+    task.problem("light", "is for one process of one thread: a light task occupies no core.",
+                 "Take ranks and threads away.");
   }
   if (spec.nodes > spec.ranks) task.problem("nodes", fmt::format("is more than its {} rank(s).", spec.ranks));
   task.done();
@@ -207,7 +216,8 @@ TaskSpec spec_from_json(const json::Value& value) {
   spec.preempt = value.text_or("preempt", "") == "kill" ? Preempt::kill : Preempt::suspend;
   spec.timeout = value.number_or("timeout_s", spec.timeout);
   spec.retries = static_cast<int>(value.integer_or("retries", spec.retries));
-  if (value.find("stop_signal") != nullptr) spec.stop.signal = static_cast<int>(value.integer_or("stop_signal", SIGTERM));
+  if (value.find("stop_signal") != nullptr)
+    spec.stop.signal = static_cast<int>(value.integer_or("stop_signal", SIGTERM));
   spec.stop.grace = value.number_or("grace_s", spec.stop.grace);
   spec.produces = paths_of(texts_in(value, "produces"));
   spec.stdout_file = value.text_or("stdout", "");

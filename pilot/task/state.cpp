@@ -6,14 +6,22 @@ namespace granary::pilot {
 
 std::string_view name_of(TaskState state) {
   switch (state) {
-    case TaskState::waiting: return "waiting";
-    case TaskState::ready: return "ready";
-    case TaskState::running: return "running";
-    case TaskState::suspended: return "suspended";
-    case TaskState::finished: return "finished";
-    case TaskState::failed: return "failed";
-    case TaskState::stopped: return "stopped";
-    case TaskState::lost: return "lost";
+    case TaskState::waiting:
+      return "waiting";
+    case TaskState::ready:
+      return "ready";
+    case TaskState::running:
+      return "running";
+    case TaskState::suspended:
+      return "suspended";
+    case TaskState::finished:
+      return "finished";
+    case TaskState::failed:
+      return "failed";
+    case TaskState::stopped:
+      return "stopped";
+    case TaskState::lost:
+      return "lost";
   }
   return "";
 }

@@ -22,7 +22,8 @@ std::set<Turn>& Table::ready_set(const TaskSpec& spec) {
 namespace {
 
 Error broken(const Task& task, const std::string& what) {
-  return {fmt::format("task {} ({}, {}): {}", task.id.value, task.spec.name, name_of(task.state), what), Exit::internal};
+  return {fmt::format("task {} ({}, {}): {}", task.id.value, task.spec.name, name_of(task.state), what),
+          Exit::internal};
 }
 
 /// What must hold for one task by itself.
@@ -46,13 +47,15 @@ Status check_task(const Task& task, const Table& table) {
     const Attempt& attempt = task.attempts[k];
     const bool last_and_active = active && k + 1 == task.attempts.size();
     if (attempt.number != static_cast<int>(k) + 1) return broken(task, "attempts are not counted 1, 2, 3");
-    if (last_and_active != (attempt.outcome == TaskState::running)) return broken(task, "an attempt's outcome is wrong");
+    if (last_and_active != (attempt.outcome == TaskState::running))
+      return broken(task, "an attempt's outcome is wrong");
     for (std::size_t p = 0; p < attempt.pieces.size(); ++p) {
       const Piece& piece = attempt.pieces[p];
       const bool open = last_and_active && task.state == TaskState::running && p + 1 == attempt.pieces.size();
       if (open != (piece.end < 0.0)) return broken(task, "a piece is open that should be closed, or closed too early");
       if (!open && piece.end < piece.start) return broken(task, "a piece ends before it starts");
-      if (static_cast<int>(piece.cores.size()) != task.spec.cores()) return broken(task, "runs on a wrong number of cores");
+      if (static_cast<int>(piece.cores.size()) != task.spec.cores())
+        return broken(task, "runs on a wrong number of cores");
     }
   }
   return {};
@@ -66,7 +69,8 @@ Status Table::check_invariants() const {
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     const Task& task = tasks[k];
     if (task.id.value != static_cast<int>(k)) return broken(task, "is not where its id says");
-    if (by_name.count(task.spec.name) == 0 || by_name.at(task.spec.name) != task.id) return broken(task, "is not found by name");
+    if (by_name.count(task.spec.name) == 0 || by_name.at(task.spec.name) != task.id)
+      return broken(task, "is not found by name");
     GRANARY_CHECK(check_task(task, *this));
     const Turn turn{task.spec.priority, task.id};
     const std::set<Turn>& own_set = const_cast<Table*>(this)->ready_set(task.spec);
@@ -74,16 +78,20 @@ Status Table::check_invariants() const {
     n_running += task.state == TaskState::running;
     n_suspended += task.state == TaskState::suspended;
     ready_count += task.state == TaskState::ready;
-    if ((task.state == TaskState::ready) != (own_set.count(turn) == 1)) return broken(task, "stands in the wrong queue");
-    if ((task.state == TaskState::running) != (running.count(task.id) == 1)) return broken(task, "is not among the running");
-    if ((task.state == TaskState::suspended) != (suspended.count(turn) == 1)) return broken(task, "is not among the suspended");
+    if ((task.state == TaskState::ready) != (own_set.count(turn) == 1))
+      return broken(task, "stands in the wrong queue");
+    if ((task.state == TaskState::running) != (running.count(task.id) == 1))
+      return broken(task, "is not among the running");
+    if ((task.state == TaskState::suspended) != (suspended.count(turn) == 1))
+      return broken(task, "is not among the suspended");
     if (task.state == TaskState::running) {
       for (const int core : task.last().pieces.back().cores) {
         if (!held.insert(core).second) return broken(task, fmt::format("shares core {} with another task", core));
       }
     }
   }
-  if (waiting != n_waiting || n_running != running.size() || n_suspended != suspended.size() || ready_count != n_ready()) {
+  if (waiting != n_waiting || n_running != running.size() || n_suspended != suspended.size() ||
+      ready_count != n_ready()) {
     return Error{"the table's counts do not match its tasks", Exit::internal};
   }
   return {};

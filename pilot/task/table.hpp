@@ -42,14 +42,14 @@ struct Task {
   TaskId id;
   TaskSpec spec;
   TaskState state = TaskState::waiting;
-  int unmet = 0;                  ///< dependencies that have not finished
+  int unmet = 0;  ///< dependencies that have not finished
   std::vector<TaskId> dependents;
   std::vector<Attempt> attempts;
-  int failures = 0;               ///< attempts that failed by themselves or by timeout
+  int failures = 0;  ///< attempts that failed by themselves or by timeout
   Ending ending = Ending::none;
-  std::string reason;             ///< why it is being stopped; of an ended task: why it failed or was stopped
-  bool resumable = false;         ///< stopped by stop_all()
-  double ended = 0.0;             ///< when it ended for good [s]
+  std::string reason;      ///< why it is being stopped; of an ended task: why it failed or was stopped
+  bool resumable = false;  ///< stopped by stop_all()
+  double ended = 0.0;      ///< when it ended for good [s]
 
   const Attempt& last() const { return attempts.back(); }
   AttemptId attempt_id() const { return {id, attempts.empty() ? 0 : attempts.back().number}; }

@@ -87,8 +87,10 @@ class Step {
       case Ending::preempt:
         close_attempt(*task, TaskState::stopped, "gave way to a task that needed its cores");
         return enter(*task, TaskState::ready);
-      case Ending::timeout: return fail(*task, fmt::format("ran longer than its timeout of {:g} s", task->spec.timeout));
-      case Ending::none: break;
+      case Ending::timeout:
+        return fail(*task, fmt::format("ran longer than its timeout of {:g} s", task->spec.timeout));
+      case Ending::none:
+        break;
     }
     const std::string fault = fault_of(event);
     if (!fault.empty()) return fail(*task, fault);
@@ -124,7 +126,8 @@ class Step {
 
   void operator()(const Suspended& event) {
     Task* task = active(event.attempt);
-    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none) return;
+    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none)
+      return;
     task->attempts.back().pieces.back().end = time_;
     enter(*task, TaskState::suspended);
     actions_.push_back(ClearAlarm{event.attempt, Alarm::timeout});
@@ -137,7 +140,8 @@ class Step {
     if (task == nullptr || task->state != TaskState::suspended || task->ending != Ending::none) return;
     Attempt& attempt = task->attempts.back();
     if (task->spec.timeout > 0.0) {
-      actions_.push_back(SetAlarm{event.attempt, Alarm::timeout, std::max(0.0, task->spec.timeout - attempt.ran(time_))});
+      actions_.push_back(
+          SetAlarm{event.attempt, Alarm::timeout, std::max(0.0, task->spec.timeout - attempt.ran(time_))});
     }
     attempt.pieces.push_back({time_, -1.0, event.cores});
     enter(*task, TaskState::running);
@@ -146,7 +150,8 @@ class Step {
 
   void operator()(const Preempted& event) {
     Task* task = active(event.attempt);
-    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none) return;
+    if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none)
+      return;
     task->ending = Ending::preempt;
     actions_.push_back(Kill{event.attempt});
   }
@@ -181,19 +186,37 @@ class Step {
   void enter(Task& task, TaskState next) {
     const Turn turn{task.spec.priority, task.id};
     switch (task.state) {
-      case TaskState::waiting: --table_.n_waiting; break;
-      case TaskState::ready: table_.ready_set(task.spec).erase(turn); break;
-      case TaskState::running: table_.running.erase(task.id); break;
-      case TaskState::suspended: table_.suspended.erase(turn); break;
-      default: break;
+      case TaskState::waiting:
+        --table_.n_waiting;
+        break;
+      case TaskState::ready:
+        table_.ready_set(task.spec).erase(turn);
+        break;
+      case TaskState::running:
+        table_.running.erase(task.id);
+        break;
+      case TaskState::suspended:
+        table_.suspended.erase(turn);
+        break;
+      default:
+        break;
     }
     task.state = next;
     switch (next) {
-      case TaskState::waiting: ++table_.n_waiting; break;
-      case TaskState::ready: table_.ready_set(task.spec).insert(turn); break;
-      case TaskState::running: table_.running.insert(task.id); break;
-      case TaskState::suspended: table_.suspended.insert(turn); break;
-      default: break;
+      case TaskState::waiting:
+        ++table_.n_waiting;
+        break;
+      case TaskState::ready:
+        table_.ready_set(task.spec).insert(turn);
+        break;
+      case TaskState::running:
+        table_.running.insert(task.id);
+        break;
+      case TaskState::suspended:
+        table_.suspended.insert(turn);
+        break;
+      default:
+        break;
     }
   }
 

@@ -10,23 +10,46 @@
 
 namespace granary::pilot {
 
-struct Spawn { AttemptId attempt; };
-struct AskToEnd { AttemptId attempt; int signal = 0; };
-struct Kill { AttemptId attempt; };
-struct Pause { AttemptId attempt; };
-struct Continue { AttemptId attempt; };  ///< on the cores of its newest piece
+struct Spawn {
+  AttemptId attempt;
+};
+struct AskToEnd {
+  AttemptId attempt;
+  int signal = 0;
+};
+struct Kill {
+  AttemptId attempt;
+};
+struct Pause {
+  AttemptId attempt;
+};
+struct Continue {
+  AttemptId attempt;
+};  ///< on the cores of its newest piece
 enum class Alarm { timeout, grace };
-struct SetAlarm { AttemptId attempt; Alarm alarm = Alarm::timeout; double after = 0.0; };
-struct ClearAlarm { AttemptId attempt; Alarm alarm = Alarm::timeout; };
+struct SetAlarm {
+  AttemptId attempt;
+  Alarm alarm = Alarm::timeout;
+  double after = 0.0;
+};
+struct ClearAlarm {
+  AttemptId attempt;
+  Alarm alarm = Alarm::timeout;
+};
 /// The attempt has left its cores for good.
-struct FreeCores { AttemptId attempt; };
+struct FreeCores {
+  AttemptId attempt;
+};
 /// It has ended for good: tell who wants to know.
-struct Report { TaskId id; };
+struct Report {
+  TaskId id;
+};
 
 using Action = std::variant<Spawn, AskToEnd, Kill, Pause, Continue, SetAlarm, ClearAlarm, FreeCores, Report>;
 
-/// Applies an event to the table. An event that comes too late (about an attempt that is over, or a state it does not apply to)
-/// changes nothing and gives no actions: so twice does no harm. Dependencies of a Submitted task must be in the table.
+/// Applies an event to the table. An event that comes too late (about an attempt that is over, or a state it does not
+/// apply to) changes nothing and gives no actions: so twice does no harm. Dependencies of a Submitted task must be in
+/// the table.
 std::vector<Action> update(Table& table, const Event& event);
 
 }  // namespace granary::pilot

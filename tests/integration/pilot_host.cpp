@@ -39,7 +39,8 @@ Result<TaskListSummary> run(const std::filesystem::path& dir, const char* file, 
   GRANARY_TRY(const std::unique_ptr<Pilot> pilot, Pilot::open({dir, machine}, loop, launcher, journal));
   GRANARY_TRY(const ControlServer control,
               ControlServer::listen(loop, dir, [&](const json::Value& request) { return pilot->answer(request); }));
-  loop.on_signals({SIGINT, SIGTERM}, [&](int signal) { pilot->stop_all(signal == SIGINT ? "interrupted" : "terminated"); });
+  loop.on_signals({SIGINT, SIGTERM},
+                  [&](int signal) { pilot->stop_all(signal == SIGINT ? "interrupted" : "terminated"); });
   return run_task_list(tasks, *pilot, loop);
 }
 

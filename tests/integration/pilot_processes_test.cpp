@@ -104,7 +104,9 @@ TEST_F(PilotProcesses, PassesArgumentsExactlyAsTheyAre) {
 
 TEST_F(PilotProcesses, PinsEachTaskToItsCoresAndTellsItItsThreads) {
   std::vector<TaskSpec> tasks;
-  for (int k = 0; k < 4; ++k) tasks.push_back(script("pin" + std::to_string(k), "grep Cpus_allowed_list /proc/self/status; echo $OMP_NUM_THREADS"));
+  for (int k = 0; k < 4; ++k)
+    tasks.push_back(
+        script("pin" + std::to_string(k), "grep Cpus_allowed_list /proc/self/status; echo $OMP_NUM_THREADS"));
   run(tasks);
 
   for (const TaskSpec& spec : tasks) {
@@ -122,7 +124,8 @@ TEST_F(PilotProcesses, WorksInTheTasksFolderAndKeepsItsOutputThere) {
 
   EXPECT_THAT(output("runs/where/where.out"), HasSubstr((dir / "runs/where").string() + "\n"));
   EXPECT_EQ(output("runs/where/err.txt"), "oops\n");
-  EXPECT_THAT(output("runs/where/where.out"), HasSubstr("\n5\n")) << "0, 1, 2 and the listed folder: no descriptor of ours is left open";
+  EXPECT_THAT(output("runs/where/where.out"), HasSubstr("\n5\n"))
+      << "0, 1, 2 and the listed folder: no descriptor of ours is left open";
 }
 
 TEST_F(PilotProcesses, FailsAMissingProgramAtOnceAndNamesThePathSearched) {
@@ -147,7 +150,9 @@ TEST_F(PilotProcesses, ReportsExitCodesAndSignals) {
 }
 
 TEST_F(PilotProcesses, KeepsTheFilesOfEveryAttempt) {
-  TaskSpec spec = script("try", "echo $GRANARY_ATTEMPT; sleep 0.02; echo $GRANARY_ATTEMPT > made; echo $GRANARY_ATTEMPT > other; test $GRANARY_ATTEMPT = 3");
+  TaskSpec spec = script("try",
+                         "echo $GRANARY_ATTEMPT; sleep 0.02; echo $GRANARY_ATTEMPT > made; echo $GRANARY_ATTEMPT > "
+                         "other; test $GRANARY_ATTEMPT = 3");
   spec.dir = "own";
   spec.retries = 2;
   spec.produces = {"made"};
@@ -187,7 +192,8 @@ TEST_F(PilotProcesses, EndsATaskAtItsTimeout) {
 TEST_F(PilotProcesses, StopsGracefullyWithinTheGraceTimeAndKillsAfterIt) {
   TaskSpec deaf = script("deaf", "trap '' TERM; echo up; while :; do sleep 0.05; done");
   deaf.stop.grace = 0.4;
-  const TaskId good_id = *pilot->submit(script("good", "trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done"));
+  const TaskId good_id =
+      *pilot->submit(script("good", "trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done"));
   const TaskId deaf_id = *pilot->submit(deaf);
   run_until(loop, [&] { return output("good.out") == "up\n" && output("deaf.out") == "up\n"; });
   const double asked = pilot->now();
@@ -206,8 +212,11 @@ TEST_F(PilotProcesses, StopsGracefullyWithinTheGraceTimeAndKillsAfterIt) {
 
 TEST_F(PilotProcesses, LeavesNoProcessBehindWhenATaskIsKilled) {
   // A child in a session of its own, as a daemon or an MPI rank would be.
-  const TaskId id = *pilot->submit(script("family", "setsid sh -c 'echo $$ > daemon; exec sleep 60' & echo $$ > leader; trap '' TERM; wait; sleep 60"));
-  run_until(loop, [&] { return output("daemon").size() > 1 && output("daemon") != "<none>" && output("leader") != "<none>"; });
+  const TaskId id = *pilot->submit(script(
+      "family", "setsid sh -c 'echo $$ > daemon; exec sleep 60' & echo $$ > leader; trap '' TERM; wait; sleep 60"));
+  run_until(loop, [&] {
+    return output("daemon").size() > 1 && output("daemon") != "<none>" && output("leader") != "<none>";
+  });
   const int daemon = std::stoi(output("daemon"));
   ASSERT_TRUE(is_alive(daemon));
   launcher->kill({id, 1});
@@ -232,7 +241,9 @@ TEST_F(PilotProcesses, SuspendsAFillerWhileATaskNeedsItsCoreAndResumesIt) {
 
   EXPECT_EQ(process_status(pid, "State").substr(0, 1), "T");
   EXPECT_EQ(pilot->state(*pilot->find("fill0")), TaskState::suspended);
-  run_until(loop, [&] { return pilot->state(id) == TaskState::finished && pilot->state(*pilot->find("fill0")) == TaskState::running; });
+  run_until(loop, [&] {
+    return pilot->state(id) == TaskState::finished && pilot->state(*pilot->find("fill0")) == TaskState::running;
+  });
   EXPECT_NE(process_status(pid, "State").substr(0, 1), "T");
   run_until(loop, [&] { return pilot->idle(); });
   EXPECT_EQ(end_of("fill0").state, TaskState::finished);
@@ -245,7 +256,8 @@ TEST_F(PilotProcesses, UsesNextToNoCpuWhileItWaits) {
   run({task("sleep", {"sleep", "2"})});
   getrusage(RUSAGE_SELF, &after);
   const auto seconds = [](const rusage& u) {
-    return static_cast<double>(u.ru_utime.tv_sec + u.ru_stime.tv_sec) + 1e-6 * static_cast<double>(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+    return static_cast<double>(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
   };
 
   EXPECT_LT(seconds(after) - seconds(before), 0.01) << "0.5 % of 2 s, start and end included";

@@ -106,7 +106,8 @@ TEST_F(PilotRestart, GoesOnAfterAKillWithoutRunningAnythingFinishedTwice) {
 TEST_F(PilotRestart, LosesNothingWhenKilledAtManyMoments) {
   std::string list;
   for (int k = 0; k < 150; ++k) {
-    list += (k > 0 ? "," : "") + std::string(R"({"name": "t)") + std::to_string(k) + R"(", "command": ["/bin/sh", "-c", "echo $GRANARY_TASK >> all.log"]})";
+    list += (k > 0 ? "," : "") + std::string(R"({"name": "t)") + std::to_string(k) +
+            R"(", "command": ["/bin/sh", "-c", "echo $GRANARY_TASK >> all.log"]})";
   }
   write_tasks("{\"tasks\": [" + list + "]}");
 
@@ -122,17 +123,23 @@ TEST_F(PilotRestart, LosesNothingWhenKilledAtManyMoments) {
   ASSERT_TRUE(journal.has_value());
   std::map<int, int> finished;
   for (const Record& record : journal->records) {
-    if (record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0) ++finished[static_cast<int>(record.payload.integer_or("id", -1))];
+    if (record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0)
+      ++finished[static_cast<int>(record.payload.integer_or("id", -1))];
   }
   EXPECT_EQ(finished.size(), 150u);
   for (const auto& [id, times] : finished) EXPECT_EQ(times, 1) << "task " << id;
 }
 
 TEST_F(PilotRestart, AnswersAndStopsThroughItsSocket) {
-  write_tasks(R"({"tasks": [{"name": "long", "command": ["sleep", "300"]}, {"name": "next", "after": ["long"], "command": ["true"]}]})");
+  write_tasks(
+      R"({"tasks": [{"name": "long", "command": ["sleep", "300"]}, {"name": "next", "after": ["long"], "command": ["true"]}]})");
   start_host();
-  wait_until([&] { return fs::exists(dir / "control.sock") && ask_pilot(dir, json::Value::object({{"ask", "status"}})).has_value(); });
-  wait_until([&] { return (*ask_pilot(dir, json::Value::object({{"ask", "status"}})))["counts"].integer_or("running", 0) == 1; });
+  wait_until([&] {
+    return fs::exists(dir / "control.sock") && ask_pilot(dir, json::Value::object({{"ask", "status"}})).has_value();
+  });
+  wait_until([&] {
+    return (*ask_pilot(dir, json::Value::object({{"ask", "status"}})))["counts"].integer_or("running", 0) == 1;
+  });
 
   struct stat status = {};
   ASSERT_EQ(stat((dir / "control.sock").c_str(), &status), 0);
@@ -154,7 +161,8 @@ TEST_F(PilotRestart, AnswersAndStopsThroughItsSocket) {
 
   EXPECT_EQ(WEXITSTATUS(code), 4);
   EXPECT_FALSE(pilot_is_alive(dir));
-  EXPECT_THAT(ask_pilot(dir, json::Value::object({{"ask", "status"}})).error().message, HasSubstr("no pilot is running on this folder"));
+  EXPECT_THAT(ask_pilot(dir, json::Value::object({{"ask", "status"}})).error().message,
+              HasSubstr("no pilot is running on this folder"));
 }
 
 TEST_F(PilotRestart, SeesThatAKilledPilotsSocketIsDead) {
@@ -165,12 +173,14 @@ TEST_F(PilotRestart, SeesThatAKilledPilotsSocketIsDead) {
 
   EXPECT_TRUE(fs::exists(dir / "control.sock"));
   EXPECT_FALSE(pilot_is_alive(dir));
-  EXPECT_THAT(ask_pilot(dir, json::Value::object({{"ask", "status"}})).error().message, HasSubstr("no pilot is running"));
+  EXPECT_THAT(ask_pilot(dir, json::Value::object({{"ask", "status"}})).error().message,
+              HasSubstr("no pilot is running"));
   EXPECT_TRUE(RunLock::take(dir).has_value());
 }
 
 TEST_F(PilotRestart, EndsResumableOnASignalOfTheUser) {
-  write_tasks(R"({"tasks": [{"name": "a", "command": ["/bin/sh", "-c", "test $GRANARY_ATTEMPT = 2 || exec sleep 300"]}]})");
+  write_tasks(
+      R"({"tasks": [{"name": "a", "command": ["/bin/sh", "-c", "test $GRANARY_ATTEMPT = 2 || exec sleep 300"]}]})");
   start_host();
   wait_until([&] { return text("journal.jsonl").find("task.start\"") != std::string::npos; });
 
@@ -183,7 +193,9 @@ TEST_F(PilotRestart, EndsResumableOnASignalOfTheUser) {
 TEST_F(PilotRestart, EndsResumableWhenTheDiskIsFullAndLosesNothingThatFinished) {
   if (mount("none", dir.c_str(), "tmpfs", 0, "size=600k") != 0) GTEST_SKIP() << "may not mount a small file system";
   std::string list;
-  for (int k = 0; k < 900; ++k) list += (k > 0 ? "," : "") + std::string(R"({"name": "t)") + std::to_string(k) + R"(", "command": ["true"], "stdout": "/dev/null"})";
+  for (int k = 0; k < 900; ++k)
+    list += (k > 0 ? "," : "") + std::string(R"({"name": "t)") + std::to_string(k) +
+            R"(", "command": ["true"], "stdout": "/dev/null"})";
   write_tasks("{\"tasks\": [" + list + "]}");
   const auto full = run_program({kHost, dir.string(), tasks.string()}, "", 60.0);
   EXPECT_EQ(full->exit_code, 4) << full->err;

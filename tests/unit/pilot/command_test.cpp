@@ -30,9 +30,10 @@ TEST(Command, StartsRanksPinnedByARankFileOfPhysicalCores) {
   const Launch launch = two_ranks_of_two_threads();
 
   EXPECT_EQ(rank_file_text(launch, machine), "rank 0=localhost slot=2,4\nrank 1=localhost slot=6,8\n");
-  EXPECT_THAT(mpirun_argv(launch, {}, "/run/dem.ranks", true),
-              ElementsAre("mpirun", "--allow-run-as-root", "-n", "2", "--mca", "pml", "ob1", "--mca", "btl", "self,vader", "--mca",
-                          "rmaps_rank_file_physical", "1", "--rankfile", "/run/dem.ranks", "prog", "-in", "a b"));
+  EXPECT_THAT(
+      mpirun_argv(launch, {}, "/run/dem.ranks", true),
+      ElementsAre("mpirun", "--allow-run-as-root", "-n", "2", "--mca", "pml", "ob1", "--mca", "btl", "self,vader",
+                  "--mca", "rmaps_rank_file_physical", "1", "--rankfile", "/run/dem.ranks", "prog", "-in", "a b"));
 }
 
 TEST(Command, AllowsRootOnlyForRootAndLeavesTheTransportToWhoeverSetIt) {
@@ -56,8 +57,8 @@ TEST(Command, TellsThreadsAndAttemptInTheEnvironmentAndLetsTheTaskHaveTheLastWor
 
   const auto env = environment_of(launch, {"PATH=/bin", "OMP_NUM_THREADS=64"});
 
-  EXPECT_THAT(env, ElementsAre("PATH=/bin", "OMP_NUM_THREADS=2", "OMP_PLACES=threads", "OMP_PROC_BIND=close", "GRANARY_MARK=mark",
-                               "GRANARY_TASK=dem", "GRANARY_ATTEMPT=2", "X=1"));
+  EXPECT_THAT(env, ElementsAre("PATH=/bin", "OMP_NUM_THREADS=2", "OMP_PLACES=threads", "OMP_PROC_BIND=close",
+                               "GRANARY_MARK=mark", "GRANARY_TASK=dem", "GRANARY_ATTEMPT=2", "X=1"));
   EXPECT_EQ(variable(env, "GRANARY_TASK"), "dem");
   EXPECT_EQ(variable(env, "GRANARY"), "");
 }

@@ -20,7 +20,8 @@ using ::testing::HasSubstr;
 class JournalTest : public ::testing::Test {
  protected:
   // In memory where there is such a place: these tests write hundreds of small files.
-  fs::path dir = (fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) / ("granary_journal_" + std::to_string(::getpid()));
+  fs::path dir = (fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
+                 ("granary_journal_" + std::to_string(::getpid()));
   fs::path file = dir / "journal.jsonl";
   void SetUp() override { fs::create_directories(dir); }
   void TearDown() override { fs::remove_all(dir); }
@@ -29,7 +30,8 @@ class JournalTest : public ::testing::Test {
     auto journal = Journal::open(file, [] { return 1.5; });
     ASSERT_TRUE(journal.has_value());
     for (int k = 0; k < count; ++k) {
-      ASSERT_TRUE(journal->append("test.number", json::Value::object({{"k", k}, {"text", "line\n\"quoted\""}})).has_value());
+      ASSERT_TRUE(
+          journal->append("test.number", json::Value::object({{"k", k}, {"text", "line\n\"quoted\""}})).has_value());
     }
   }
   std::string text() const { return *read_text(file); }
@@ -59,7 +61,8 @@ TEST_F(JournalTest, CutAtAnyByteKeepsEveryWholeRecordAndGoesOn) {
 
   for (std::size_t length = 0; length <= whole.size(); ++length) {
     replace(whole.substr(0, length));
-    const auto n_whole = static_cast<std::size_t>(std::count_if(ends.begin(), ends.end(), [&](std::size_t e) { return e <= length; }));
+    const auto n_whole =
+        static_cast<std::size_t>(std::count_if(ends.begin(), ends.end(), [&](std::size_t e) { return e <= length; }));
     const std::size_t kept = n_whole == 0 ? 0 : ends[n_whole - 1];
     auto journal = Journal::open(file);
     ASSERT_TRUE(journal.has_value()) << length;

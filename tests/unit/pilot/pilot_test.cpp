@@ -20,7 +20,8 @@ using ::testing::HasSubstr;
 
 /// A simulated site; a task's running time is asked of `model`, 10 s by default.
 struct Simulation {
-  explicit Simulation(Machine m) : machine(std::move(m)), opened(Pilot::open({"/campaign", machine}, loop, launcher, journal)), pilot(**opened) {
+  explicit Simulation(Machine m)
+      : machine(std::move(m)), opened(Pilot::open({"/campaign", machine}, loop, launcher, journal)), pilot(**opened) {
     pilot.on_end([this](const TaskEnd& end) { ended.push_back(end.name); });
   }
   VirtualLoop loop;
@@ -140,7 +141,8 @@ TEST(Pilot, QueuesWhatRanWhenThePilotDiedAgain) {
   VirtualLoop loop;
   SimulatedLauncher launcher(loop, [](const TaskSpec&) { return SimulatedRun{10.0}; });
   Journal journal = Journal::in_memory();
-  for (const Record& record : first.journal.records()) ASSERT_TRUE(journal.append(record.kind, record.payload).has_value());
+  for (const Record& record : first.journal.records())
+    ASSERT_TRUE(journal.append(record.kind, record.payload).has_value());
   auto second = Pilot::open({"/campaign", first.machine}, loop, launcher, journal);
   ASSERT_TRUE(second.has_value()) << second.error().message;
   loop.run();
@@ -205,10 +207,12 @@ TEST(Pilot, AnswersRequestsOfItsSocket) {
   const json::Value status = site.pilot.answer(json::Value::object({{"ask", "status"}}));
   EXPECT_EQ(status["counts"].integer_or("running", 0), 1);
   EXPECT_EQ(status["tasks"].items().at(0).text_or("name", ""), "first");
-  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "explain"}, {"task", "second"}})).text_or("text", ""), HasSubstr("ready"));
+  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "explain"}, {"task", "second"}})).text_or("text", ""),
+              HasSubstr("ready"));
   EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "explain"}, {"task", "secnd"}})).text_or("error", ""),
               HasSubstr("Did you mean \"second\"?"));
-  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "dance"}})).text_or("error", ""), HasSubstr("known are status"));
+  EXPECT_THAT(site.pilot.answer(json::Value::object({{"ask", "dance"}})).text_or("error", ""),
+              HasSubstr("known are status"));
   site.pilot.answer(json::Value::object({{"ask", "stop"}, {"reason", "user"}}));
   EXPECT_TRUE(site.pilot.stopping());
 }
@@ -229,7 +233,8 @@ TEST(Pilot, IsDeterministicInSimulation) {
   const auto journal_of = [] {
     Simulation site(stated_machine(2, 3));
     site.model = [](const TaskSpec& spec) { return SimulatedRun{1.0 + static_cast<double>(spec.name.size() % 3)}; };
-    for (int k = 0; k < 40; ++k) site.submit(a_task("t" + std::string(static_cast<std::size_t>(k % 5), 'x') + std::to_string(k)).needs(1 + k % 3));
+    for (int k = 0; k < 40; ++k)
+      site.submit(a_task("t" + std::string(static_cast<std::size_t>(k % 5), 'x') + std::to_string(k)).needs(1 + k % 3));
     site.loop.run();
     std::string text;
     for (const Record& record : site.journal.records()) {

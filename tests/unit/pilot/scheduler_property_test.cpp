@@ -36,18 +36,24 @@ class RandomPilot {
     const TaskId id = active[*rc::gen::inRange<std::size_t>(0, active.size())];
     const AttemptId attempt = table_.at(id).attempt_id();
     switch (*rc::gen::inRange(0, 6)) {
-      case 0: return happens(Exited{attempt, 1, 0, 0.0, {}});
-      case 1: return happens(StopAsked{id, "why not", *rc::gen::arbitrary<bool>()});
-      case 2: return happens(TimedOut{attempt});
-      case 3: return happens(Lost{attempt, "power cut"});
-      default: return happens(Exited{attempt, 0, 0, 0.0, {}});
+      case 0:
+        return happens(Exited{attempt, 1, 0, 0.0, {}});
+      case 1:
+        return happens(StopAsked{id, "why not", *rc::gen::arbitrary<bool>()});
+      case 2:
+        return happens(TimedOut{attempt});
+      case 3:
+        return happens(Lost{attempt, "power cut"});
+      default:
+        return happens(Exited{attempt, 0, 0, 0.0, {}});
     }
   }
 
   void decide() {
     // A filler that gave way may go on on other cores in the second round; then all is decided.
     for (int round = 0; round < 2; ++round) {
-      for (const Decision& decision : schedule(table_, resources_)) std::visit([this](const auto& d) { carry_out(d); }, decision);
+      for (const Decision& decision : schedule(table_, resources_))
+        std::visit([this](const auto& d) { carry_out(d); }, decision);
     }
     RC_ASSERT(schedule(table_, resources_).empty());
     check_cores();
@@ -94,8 +100,8 @@ class RandomPilot {
     }
   }
 
-  /// The first ready task waits only for other tasks, or for fillers that are being killed for it: on no node would there be
-  /// room for it without the fillers that go on running.
+  /// The first ready task waits only for other tasks, or for fillers that are being killed for it: on no node would
+  /// there be room for it without the fillers that go on running.
   void check_no_ready_task_is_delayed_by_a_filler() const {
     if (table_.ready.empty()) return;
     const Task& first = table_.at(table_.ready.begin()->id);

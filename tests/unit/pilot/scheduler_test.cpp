@@ -60,7 +60,8 @@ TEST(Scheduler, StartsNothingWhenNoCoreIsFree) {
 
 TEST(Scheduler, GoesByPriorityThenByOrderOfSubmission) {
   Site site(stated_machine(1, 1));
-  const TaskId a = site.submit(a_task("a")), b = site.submit(a_task("b").priority(5)), c = site.submit(a_task("c").priority(5));
+  const TaskId a = site.submit(a_task("a")), b = site.submit(a_task("b").priority(5)),
+               c = site.submit(a_task("c").priority(5));
 
   std::vector<TaskId> order;
   for (int k = 0; k < 3; ++k) {
@@ -75,7 +76,8 @@ TEST(Scheduler, GoesByPriorityThenByOrderOfSubmission) {
 
 TEST(Scheduler, GivesAnMpiTaskNeighbouringCores) {
   Site site(stated_machine(1, 8));
-  const TaskId a = site.submit(a_task("a").needs(2)), b = site.submit(a_task("b")), c = site.submit(a_task("c").needs(2));
+  const TaskId a = site.submit(a_task("a").needs(2)), b = site.submit(a_task("b")),
+               c = site.submit(a_task("c").needs(2));
   site.submit(a_task("d").needs(3));
   site.decide();
   site.ends(a);
@@ -111,7 +113,8 @@ TEST(Scheduler, UsesTheCoresThatAWaitingLargeTaskWouldNotUse) {
   site.submit(a_task("a").needs(2));
   site.submit(a_task("b").needs(3));
   site.decide();  // two cores are free on node 1, one on node 2
-  const TaskId large = site.submit(a_task("large").needs(3)), small = site.submit(a_task("small")), other = site.submit(a_task("other"));
+  const TaskId large = site.submit(a_task("large").needs(3)), small = site.submit(a_task("small")),
+               other = site.submit(a_task("other"));
 
   site.decide();
 
@@ -210,7 +213,8 @@ TEST(Scheduler, KeepsTheMemoryOfANodeWithinItsBounds) {
 
 TEST(Scheduler, SpreadsATaskOverAsFewNodesAsItCanOrOverAsManyAsAsked) {
   Site site(stated_machine(4, 4));
-  const TaskId a = site.submit(a_task("a").needs(4)), b = site.submit(a_task("b").needs(6)), c = site.submit(a_task("c").needs(2).nodes(2));
+  const TaskId a = site.submit(a_task("a").needs(4)), b = site.submit(a_task("b").needs(6)),
+               c = site.submit(a_task("c").needs(2).nodes(2));
 
   site.decide();
 
@@ -234,7 +238,8 @@ TEST(Scheduler, FillsSmallGapsOfANodeBeforeBreakingIntoAnEmptyOne) {
 
 TEST(Explain, SaysWhatATaskWaitsFor) {
   Site site(stated_machine(1, 2));
-  const TaskId a = site.submit(a_task("a").needs(2)), b = site.submit(a_task("b").after({"a"})), c = site.submit(a_task("c"));
+  const TaskId a = site.submit(a_task("a").needs(2)), b = site.submit(a_task("b").after({"a"})),
+               c = site.submit(a_task("c"));
   const TaskId f = site.submit(a_task("f").fills());
   site.decide();
   const auto why = [&](TaskId id) { return explain(site.table.at(id), site.table, site.resources, site.time, false); };

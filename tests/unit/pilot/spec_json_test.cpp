@@ -59,25 +59,33 @@ TEST(TaskJson, ReportsEveryProblemAtOnce) {
   const std::string text = read(R"({"tasks": [
     {"name": "a/b", "command": "sleep 5", "timeout": 5, "rank": 2},
     {"name": "x", "command": []},
-    {"command": ["true"], "stop": {"signal": "SIGFOO"}, "timeout": "5 kg", "ranks": 0}]})").texts();
+    {"command": ["true"], "stop": {"signal": "SIGFOO"}, "timeout": "5 kg", "ranks": 0}]})")
+                               .texts();
 
-  for (const char* pointer : {"/tasks/0/name", "/tasks/0/command", "/tasks/0/timeout", "/tasks/0/rank", "/tasks/1/command",
-                              "/tasks/2/name", "/tasks/2/stop/signal", "/tasks/2/timeout", "/tasks/2/ranks"}) {
+  for (const char* pointer :
+       {"/tasks/0/name", "/tasks/0/command", "/tasks/0/timeout", "/tasks/0/rank", "/tasks/1/command", "/tasks/2/name",
+        "/tasks/2/stop/signal", "/tasks/2/timeout", "/tasks/2/ranks"}) {
     EXPECT_THAT(text, HasSubstr(std::string("w.json: ") + pointer));
   }
   EXPECT_THAT(text, HasSubstr("ranks"));
 }
 
 TEST(CheckTasks, NamesUnknownDependenciesWithASuggestion) {
-  const std::string text = read(R"({"tasks": [{"name": "prepare", "command": ["x"]}, {"name": "b", "command": ["x"], "after": ["prepair"]}]})").texts();
+  const std::string text =
+      read(
+          R"({"tasks": [{"name": "prepare", "command": ["x"]}, {"name": "b", "command": ["x"], "after": ["prepair"]}]})")
+          .texts();
 
   EXPECT_THAT(text, HasSubstr("/tasks/1/after/0 is prepair"));
   EXPECT_THAT(text, HasSubstr("Did you mean \"prepare\"?"));
 }
 
 TEST(CheckTasks, TellsTheTasksOfACircle) {
-  const std::string text = read(R"({"tasks": [{"name": "a", "command": ["x"], "after": ["c"]}, {"name": "b", "command": ["x"], "after": ["a"]},
-                                    {"name": "c", "command": ["x"], "after": ["b"]}]})").texts();
+  const std::string text =
+      read(
+          R"({"tasks": [{"name": "a", "command": ["x"], "after": ["c"]}, {"name": "b", "command": ["x"], "after": ["a"]},
+                                    {"name": "c", "command": ["x"], "after": ["b"]}]})")
+          .texts();
 
   EXPECT_THAT(text, HasSubstr("/tasks/0/after"));
   EXPECT_THAT(text, HasSubstr("a after c after b after a"));
@@ -89,9 +97,11 @@ TEST(CheckTasks, RefusesTwoTasksOfOneName) {
 }
 
 TEST(CheckTasks, RefusesATaskThatNeedsMoreThanTheMachineHas) {
-  const std::string text = read(R"({"tasks": [{"name": "a", "command": ["x"], "ranks": 5}, {"name": "b", "command": ["x"], "threads": 5},
+  const std::string text =
+      read(R"({"tasks": [{"name": "a", "command": ["x"], "ranks": 5}, {"name": "b", "command": ["x"], "threads": 5},
                                     {"name": "c", "command": ["x"], "memory": "3 GB"}, {"name": "d", "command": ["x"], "ranks": 2, "nodes": 2}]})",
-                                stated_machine(1, 4, 2'000'000'000)).texts();
+           stated_machine(1, 4, 2'000'000'000))
+          .texts();
 
   EXPECT_THAT(text, HasSubstr("/tasks/0/ranks is 5"));
   EXPECT_THAT(text, HasSubstr("needs 5 core(s) (5 rank(s) x 1 thread(s)), but there are 4 on 1 node(s)"));

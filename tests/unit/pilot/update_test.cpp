@@ -29,7 +29,8 @@ TEST(Update, StartsATaskOnlyAfterAllItDependsOnHasFinished) {
 
 TEST(Update, FailsWhatComesAfterAFailedTaskAndSaysWhy) {
   Life life;
-  const TaskId a = life.submit(a_task("a")), b = life.submit(a_task("b").after({"a"})), c = life.submit(a_task("c").after({"b"}));
+  const TaskId a = life.submit(a_task("a")), b = life.submit(a_task("b").after({"a"})),
+               c = life.submit(a_task("c").after({"b"}));
   life.place(a, {0});
 
   const auto actions = life.exit(a, 7);
@@ -39,7 +40,9 @@ TEST(Update, FailsWhatComesAfterAFailedTaskAndSaysWhy) {
   EXPECT_EQ(life.state(b), TaskState::failed);
   EXPECT_EQ(life.reason(b), "comes after task \"a\", which failed");
   EXPECT_EQ(life.state(c), TaskState::failed);
-  EXPECT_EQ(std::count_if(actions.begin(), actions.end(), [](const Action& x) { return std::holds_alternative<Report>(x); }), 3);
+  EXPECT_EQ(
+      std::count_if(actions.begin(), actions.end(), [](const Action& x) { return std::holds_alternative<Report>(x); }),
+      3);
 }
 
 TEST(Update, FailsATaskSubmittedAfterItsDependencyFailed) {
@@ -159,8 +162,8 @@ TEST(Update, FailsATaskThatRunsLongerThanItsTimeout) {
 TEST(Update, DoesNotCountSuspensionTowardsTheTimeout) {
   Life life;
   const TaskId a = life.submit(a_task("a").fills().timeout(10.0));
-  life.place(a, {0});                            // at 2 s
-  life.happens(Suspended{life.attempt(a)});      // at 3 s: it ran 1 s
+  life.place(a, {0});                        // at 2 s
+  life.happens(Suspended{life.attempt(a)});  // at 3 s: it ran 1 s
   life.time += 100.0;
 
   const auto resumed = life.happens(Resumed{life.attempt(a), {1}});
