@@ -6,13 +6,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace granary::pbm {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMargin = 0.9;          // of the longest step that keeps a class positive
-constexpr double kSmall = 1e-3;          // times the tolerance: share of a compartment's solids a small class holds
+constexpr double kSmall = 0.1;           // of the tolerance: share of a compartment's solids in all small classes together
+constexpr double kDust = 1e-12;          // share of a compartment's solids
 constexpr double kLongestGrowth = 3.0;
 constexpr int kMostAttempts = 200;
 constexpr std::size_t kQuantities = 4;   // number, solid volume, liquid, gas
@@ -42,7 +45,7 @@ Integrator::Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& c
       tolerance_(c.relative_tolerance),
       brought_(brought_between_outputs(c, row.grid())),
       control_(last_error),
-      small_(row.compartments() * row.classes()),
+      sizes_(row.compartments() * row.classes()),
       slow_down_(row.compartments()),
       shorten_(row.compartments()),
       first_loss_(row.compartments() * row.classes()) {
@@ -55,48 +58,94 @@ void Integrator::evaluate(std::span<const double> state, std::span<const double>
   ++work_.rhs_evaluations;
 }
 
+/// The classes that hold least, together at most kSmall of what the tolerance allows; among them the dust.
 void Integrator::mark_small_classes(std::span<const double> state) {
+  const std::size_t n = row_->classes();
   const std::span<const double> solid = row_->grid().solid();
+  std::vector<std::size_t> order(n);
   for (std::size_t x = 0; x < row_->compartments(); ++x) {
     const Fields f = row_->fields(state, x);
-    double total = 0.0;
-    for (std::size_t k = 0; k < row_->classes(); ++k) total += solid[k] * f.number[k];
-    for (std::size_t k = 0; k < row_->classes(); ++k)
-      small_[x * row_->classes() + k] = solid[k] * f.number[k] < kSmall * tolerance_ * total;
+    const auto held = [&](std::size_t k) { return solid[k] * f.number[k]; };
+    double total = 0.0, sum = 0.0;
+    for (std::size_t k = 0; k < n; ++k) total += held(k);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std::pair(held(a), a) < std::pair(held(b), b); });
+    for (const std::size_t k : order) {
+      sum += held(k);
+      sizes_[x * n + k] = sum >= kSmall * tolerance_ * total ? Size::large : held(k) < kDust * total ? Size::dust : Size::small;
+    }
   }
 }
 
-/// Fills f0_ for a step of at most h and returns the step: short enough that no class but small ones is emptied in h/2, with the small
-/// ones slowed down as far as they need.
-double Integrator::limit_first_stage(std::span<const double> state, Inputs inputs, double h) {
+/// Whether a class is to be slowed down for a step of h: small, faster than the step, and emptied by it. Dust in any case: its births
+/// may stop in a later stage.
+bool Integrator::slowed_down(std::span<const double> state, std::size_t x, std::size_t k, double h) const {
   const std::size_t n = row_->classes();
-  // Emptied by more than aggregation and breakage, or not small: the step has to give way.
-  const auto may_slow_down = [&](std::size_t x, std::size_t k, double step) {
-    return small_[x * n + k] && 0.5 * step * first_loss_[x * n + k] > kMargin;
-  };
-  std::vector<double> limits(row_->compartments(), kInfinity), all(n_compartments_);
-  for (std::size_t x = 0; x < row_->compartments(); ++x)
-    for (std::size_t q = 0; q < 3; ++q)
-      for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t at = x * row_->stride() + q * n + k;
-        if (state[at] + 0.5 * h * first_rates_[at] < 0.0 && !may_slow_down(x, k, h))
-          limits[x] = std::min(limits[x], kMargin * 2.0 * state[at] / -first_rates_[at]);
-      }
-  exchange_->gather(limits, all);
-  h = std::min(h, *std::min_element(all.begin(), all.end()));
+  const Size size = sizes_[x * n + k];
+  if (size == Size::large || 0.5 * h * first_loss_[x * n + k] <= kMargin) return false;
+  return size == Size::dust || emptied(state, x, k, h);
+}
 
-  std::fill(slow_down_.begin(), slow_down_.end(), 0.0);
+bool Integrator::emptied(std::span<const double> state, std::size_t x, std::size_t k, double h) const {
+  const std::size_t first = x * row_->stride() + k, n = row_->classes();
+  for (std::size_t at = first; at < first + 3 * n; at += n)
+    if (state[at] + 0.5 * h * first_rates_[at] < 0.0) return true;
+  return false;
+}
+
+/// The longest step, at most h, that empties no class but those slowed down.
+double Integrator::limit_by_emptying(std::span<const double> state, double h) const {
+  const std::size_t n = row_->classes();
+  double limit = h;
+  for (std::size_t x = 0; x < row_->compartments(); ++x)
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!emptied(state, x, k, h) || slowed_down(state, x, k, h)) continue;
+      for (std::size_t at = x * row_->stride() + k, q = 0; q < 3; ++q, at += n)
+        if (state[at] + 0.5 * h * first_rates_[at] < 0.0) limit = std::min(limit, kMargin * 2.0 * state[at] / -first_rates_[at]);
+    }
+  return limit;
+}
+
+/// The longest step, at most h, in which what is born into classes slowed down leaves them small: otherwise they would fill up over
+/// long steps and have to be emptied in very short ones.
+double Integrator::limit_by_filling(std::span<const double> state, double h) const {
+  const std::size_t n = row_->classes();
+  const std::span<const double> solid = row_->grid().solid();
+  double limit = h;
+  for (std::size_t x = 0; x < row_->compartments(); ++x) {
+    const double* number = &state[x * row_->stride()];
+    const double* rate = &first_rates_[x * row_->stride()];
+    double held = 0.0, born = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      held += solid[k] * number[k];
+      if (sizes_[x * n + k] == Size::small && slowed_down(state, x, k, h))
+        born += solid[k] * std::max(0.0, rate[k] + first_loss_[x * n + k] * number[k]);
+    }
+    if (born > 0.0) limit = std::min(limit, 0.5 * kSmall * tolerance_ * held / born);
+  }
+  return limit;
+}
+
+double Integrator::smallest(double mine) const {
+  std::vector<double> each(row_->compartments(), mine), all(n_compartments_);
+  exchange_->gather(each, all);
+  return *std::min_element(all.begin(), all.end());
+}
+
+/// Fills f0_ for a step of at most h, with small classes slowed down as far as they need, and returns the step.
+double Integrator::limit_first_stage(std::span<const double> state, Inputs inputs, double h) {
+  h = smallest(limit_by_emptying(state, h));
+  h = smallest(limit_by_filling(state, h));
+  const std::size_t n = row_->classes();
+  bool any = false;
   participation_.assign(row_->compartments() * n, 1.0);
   for (std::size_t x = 0; x < row_->compartments(); ++x)
-    for (std::size_t q = 0; q < 3; ++q)
-      for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t at = x * row_->stride() + q * n + k;
-        if (!(state[at] + 0.5 * h * first_rates_[at] < 0.0) || !may_slow_down(x, k, h)) continue;
-        participation_[x * n + k] = kMargin / (0.5 * h * first_loss_[x * n + k]);
-        slow_down_[x] = 1.0;
-      }
-  exchange_->gather(slow_down_, all);
-  if (*std::max_element(all.begin(), all.end()) > 0.0) {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!slowed_down(state, x, k, h)) continue;
+      participation_[x * n + k] = kMargin / (0.5 * h * first_loss_[x * n + k]);
+      any = true;
+    }
+  if (smallest(any ? 0.0 : 1.0) == 0.0) {
     evaluate(state, participation_, inputs, f0_);
   } else {
     participation_.clear();
@@ -113,8 +162,9 @@ void Integrator::check(std::span<const double> stage) {
       for (std::size_t k = 0; k < n; ++k) {
         const std::size_t at = x * row_->stride() + q * n + k;
         if (!(stage[at] < 0.0)) continue;
-        (small_[x * n + k] ? slow_down_ : shorten_)[x] = 1.0;
-        if (!small_[x * n + k]) continue;
+        const bool large = sizes_[x * n + k] == Size::large;
+        (large ? shorten_ : slow_down_)[x] = 1.0;
+        if (large) continue;
         if (participation_.empty()) participation_.assign(row_->compartments() * n, 1.0);
         participation_[x * n + k] *= 0.5;
       }

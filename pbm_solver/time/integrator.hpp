@@ -28,9 +28,9 @@ struct WorkCount {
 ///   error = h (-f0 - f1 - f2 + 3 f3) / 12
 ///
 /// Every stage is a mean of Euler steps of h/2, so a state stays positive as long as those do; that is checked, nothing is ever
-/// clipped. A class that would be emptied in h/2 shortens the step if it holds more than a millionth part (tolerance x 1e-3) of
-/// its compartment's solids; one that holds less takes part in aggregation and breakage by a factor < 1 during this step
-/// (births and deaths alike, so the balance stays closed).
+/// clipped. A class that would be emptied in h/2 shortens the step, unless it is among the smallest, which together hold a tenth of the
+/// tolerance of their compartment's solids: such a class takes part in aggregation and breakage by a factor < 1 during this step
+/// (births and deaths alike, so the balance stays closed), that is, what it should hand on is delayed by up to a step.
 ///
 /// Error norm: the largest, over compartments and over {number, solid volume, liquid, gas}, of the sum of absolute errors over the sum
 /// held there, relative to the tolerance. To what is held come 1e-3 of the row's mean and of what feed and spray bring between two
@@ -53,12 +53,18 @@ class Integrator {
 
  private:
   enum class Verdict { fine, throttle, shorten };
+  enum class Size : char { large, small, dust };
   struct Judgement {
     Verdict verdict = Verdict::fine;
     double error = 0.0;
     int worst_compartment = 0;
     int worst_quantity = 0;
   };
+  bool slowed_down(std::span<const double> state, std::size_t x, std::size_t k, double h) const;
+  bool emptied(std::span<const double> state, std::size_t x, std::size_t k, double h) const;
+  double limit_by_emptying(std::span<const double> state, double h) const;
+  double limit_by_filling(std::span<const double> state, double h) const;
+  double smallest(double mine) const;
   double limit_first_stage(std::span<const double> state, Inputs inputs, double h);
   void run_stages(std::span<const double> state, Inputs inputs, double h);
   double next_step(double taken, double longest, bool was_cut, double error);
@@ -78,7 +84,7 @@ class Integrator {
   std::vector<double> f0_, f1_, f2_, f3_, stage_, new_state_;
   std::vector<double> first_rates_;       ///< f(state) with full participation
   std::vector<double> participation_;     ///< shape (compartments, n_classes); empty: 1 everywhere
-  std::vector<char> small_;               ///< may be slowed down, shape (compartments, n_classes)
+  std::vector<Size> sizes_;               ///< what a class holds, shape (compartments, n_classes)
   std::vector<double> slow_down_;         ///< per compartment: 1 if a small class went negative in a stage
   std::vector<double> shorten_;           ///< per compartment: 1 if another did
   std::vector<double> first_loss_;        ///< loss rates that belong to first_rates_ [1/s], shape (compartments, n_classes)
