@@ -37,8 +37,9 @@ int default_threads() {
   return threads > 0 ? threads : 1;
 }
 
-/// OpenMP's threads wait by spinning, and read how long before main() begins. On a busy machine they then burn the time that the
-/// others need: ten times slower was measured. So start over with a short spin, unless the user has said something.
+/// OpenMP's threads wait by spinning, and read how long before main() begins. On a busy machine they then burn the time
+/// that the others need: ten times slower was measured. So start over with a short spin, unless the user has said
+/// something.
 void start_over_with_polite_threads(int threads, char** argv) {
   if (threads < 2 || std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "2000", 1);
@@ -60,16 +61,17 @@ int run(const pbm::RunOptions& options, bool as_json) {
     std::printf("%s\n", granary::json::dump(*report, 2).c_str());
   } else {
     const Value& r = *report;
-    std::printf("%s at %g s: %lld steps (%lld rejected), %g s of wall time; states in %s\n", r["ended"].as_string().c_str(),
-                r["time_s"].as_number(), static_cast<long long>(r["steps"].as_integer()),
-                static_cast<long long>(r["rejected"].as_integer()), r["wall_s"].as_number(), r["out"].as_string().c_str());
+    std::printf("%s at %g s: %lld steps (%lld rejected), %g s of wall time; states in %s\n",
+                r["ended"].as_string().c_str(), r["time_s"].as_number(),
+                static_cast<long long>(r["steps"].as_integer()), static_cast<long long>(r["rejected"].as_integer()),
+                r["wall_s"].as_number(), r["out"].as_string().c_str());
   }
   return 0;
 }
 
 void print_row(const pbm::Verification& v) {
-  std::printf("%-12s %5d  %9.2e %9.2e  %+9.1e %+9.1e %+9.1e  %8.1e  %6ld %7ld %8.3f  %s\n", v.name.c_str(), v.bins, v.l1_number, v.l1_volume,
-              v.moment_0, v.moment_1, v.moment_2, v.drift, v.steps, v.rhs_evaluations, v.cpu,
+  std::printf("%-12s %5d  %9.2e %9.2e  %+9.1e %+9.1e %+9.1e  %8.1e  %6ld %7ld %8.3f  %s\n", v.name.c_str(), v.bins,
+              v.l1_number, v.l1_volume, v.moment_0, v.moment_1, v.moment_2, v.drift, v.steps, v.rhs_evaluations, v.cpu,
               v.best_known ? granary::json::dump(*v.best_known).c_str() : "");
 }
 
@@ -77,8 +79,8 @@ void print_row(const pbm::Verification& v) {
 int verify(const std::string& name, std::optional<int> bins, double tolerance, bool as_json) {
   Value all = Value::array();
   if (!as_json)
-    std::printf("%-12s %5s  %9s %9s  %9s %9s %9s  %8s  %6s %7s %8s  %s\n", "case", "bins", "L1 number", "L1 volume", "M0", "M1", "M2", "drift",
-                "steps", "rhs", "cpu [s]", "plain cell average, L1 number");
+    std::printf("%-12s %5s  %9s %9s  %9s %9s %9s  %8s  %6s %7s %8s  %s\n", "case", "bins", "L1 number", "L1 volume",
+                "M0", "M1", "M2", "drift", "steps", "rhs", "cpu [s]", "plain cell average, L1 number");
   for (const std::string& one : name == "all" ? pbm::verification_names() : std::vector<std::string>{name}) {
     const auto result = pbm::verify(one, bins, tolerance);
     if (!result) return fail(result.error(), true);
@@ -104,16 +106,21 @@ int main(int argc, char** argv) {
   options.threads = default_threads();
   run_command->add_option("CASE", options.case_file, "the case, a JSON file")->required();
   run_command->add_option("--out", options.out, "the HDF5 file to write")->required();
-  run_command->add_option("--threads", options.threads, "threads of each rank")->check(CLI::Range(1, 1024))->capture_default_str();
+  run_command->add_option("--threads", options.threads, "threads of each rank")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   run_command->add_flag("--json", as_json, "report as one JSON document");
 
   CLI::App* verify_command = app.add_subcommand("verify", "solve cases with exact solutions and show the errors");
   std::string name = "all";
   std::optional<int> bins;
   double tolerance = 1e-5;
-  verify_command->add_option("CASE", name, "constant-1d, sum-1d, constant-2d, sum-2d, breakage or all")->capture_default_str();
+  verify_command->add_option("CASE", name, "constant-1d, sum-1d, constant-2d, sum-2d, breakage or all")
+      ->capture_default_str();
   verify_command->add_option("--bins", bins, "classes along each solid");
-  verify_command->add_option("--tolerance", tolerance, "relative tolerance of the time steps")->check(CLI::Range(1e-12, 0.1))->capture_default_str();
+  verify_command->add_option("--tolerance", tolerance, "relative tolerance of the time steps")
+      ->check(CLI::Range(1e-12, 0.1))
+      ->capture_default_str();
   verify_command->add_flag("--json", as_json, "one JSON document");
 
   try {

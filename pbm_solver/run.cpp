@@ -37,11 +37,13 @@ double next_output(const PbmCase& c, double time) {
 
 Status check_options(const RunOptions& options, const PbmCase& c, const Communicator& ranks) {
   if (ranks.size() > c.compartments.count)
-    return Error{fmt::format("{}: {} ranks for {} compartments: each rank needs at least one. Start fewer ranks with more --threads.",
-                             options.case_file.string(), ranks.size(), c.compartments.count)};
+    return Error{fmt::format(
+        "{}: {} ranks for {} compartments: each rank needs at least one. Start fewer ranks with more --threads.",
+        options.case_file.string(), ranks.size(), c.compartments.count)};
   std::error_code unknown;
   if (c.restart && fs::equivalent(c.restart->file, options.out, unknown))
-    return Error{fmt::format("{}: --out is the file of /restart/file, whose states would be lost. Name another.", options.out.string())};
+    return Error{fmt::format("{}: --out is the file of /restart/file, whose states would be lost. Name another.",
+                             options.out.string())};
   return {};
 }
 
@@ -50,15 +52,16 @@ Result<Snapshot> read_start(const PbmCase& c, const fs::path& case_file) {
   if (!c.restart) return initial_snapshot(c, grid);
   GRANARY_TRY(Snapshot start, read_restart(*c.restart, c, grid));
   if (start.time >= c.end_time)
-    return Error{fmt::format("{}: /end_time is {:g} s, but the restart begins at {:g} s. Set a later end.", case_file.string(), c.end_time,
-                             start.time)};
+    return Error{fmt::format("{}: /end_time is {:g} s, but the restart begins at {:g} s. Set a later end.",
+                             case_file.string(), c.end_time, start.time)};
   return start;
 }
 
 /// What rank 0 writes. The other ranks have one too, which does nothing.
 class Writer {
  public:
-  static Result<Writer> open(const RunOptions& options, const PbmCase& c, const ClassGrid& grid, const Communicator& ranks, double start) {
+  static Result<Writer> open(const RunOptions& options, const PbmCase& c, const ClassGrid& grid,
+                             const Communicator& ranks, double start) {
     Writer writer;
     writer.case_ = &c;
     writer.grid_ = &grid;
@@ -103,7 +106,8 @@ class Run {
     const PbmCase& c = simulation_->pbm_case();
     GRANARY_CHECK(output());
     while (simulation_->time() < c.end_time && !stopped_) {
-      GRANARY_TRY(const bool reached, simulation_->advance(next_output(c, simulation_->time()), [this] { return after_step(); }));
+      GRANARY_TRY(const bool reached,
+                  simulation_->advance(next_output(c, simulation_->time()), [this] { return after_step(); }));
       GRANARY_CHECK(ranks_->agree(problem_));
       if (reached) GRANARY_CHECK(output());
     }

@@ -59,7 +59,8 @@ Grid read_grid(Reader reader) {
     if (!std::isfinite(grid.smallest[k] * std::pow(grid.ratio[k], grid.bins[k] - 1)))
       reader.problem("ratio", "the largest class is beyond all numbers; take fewer bins or a smaller ratio.");
   }
-  if (grid.smallest[0] == 0.0 && grid.smallest[1] == 0.0) reader.problem("smallest", "at least one solid must be there (> 0).");
+  if (grid.smallest[0] == 0.0 && grid.smallest[1] == 0.0)
+    reader.problem("smallest", "at least one solid must be there (> 0).");
   reader.done();
   return grid;
 }
@@ -100,11 +101,13 @@ Feed read_feed(Reader reader, const Grid& grid) {
     one.rate = item.number("rate", Range::not_negative());
     item.done();
   }
-  if (feed.classes.empty()) reader.problem("classes", "a feed needs at least one class.", "Leave the feed out for a batch.");
+  if (feed.classes.empty())
+    reader.problem("classes", "a feed needs at least one class.", "Leave the feed out for a batch.");
   feed.porosity = reader.number_or("porosity", feed.porosity, Range{0.0, 1.0, true, false});
   feed.start = reader.number_or("start", feed.start);
   feed.end = reader.number_or("end", feed.end);
-  if (!(feed.end > feed.start)) reader.problem("end", fmt::format("it must be after the feed's start at {:g} s.", feed.start));
+  if (!(feed.end > feed.start))
+    reader.problem("end", fmt::format("it must be after the feed's start at {:g} s.", feed.start));
   reader.done();
   return feed;
 }
@@ -115,7 +118,8 @@ Spray read_spray(Reader reader, const Compartments& row) {
   spray.compartment = static_cast<int>(reader.integer_or("compartment", 0, Range::between(0, row.count - 1)));
   spray.start = reader.number_or("start", spray.start);
   spray.end = reader.number_or("end", spray.end);
-  if (!(spray.end > spray.start)) reader.problem("end", fmt::format("it must be after the spray's start at {:g} s.", spray.start));
+  if (!(spray.end > spray.start))
+    reader.problem("end", fmt::format("it must be after the spray's start at {:g} s.", spray.start));
   reader.done();
   return spray;
 }
@@ -135,12 +139,14 @@ std::vector<std::vector<double>> read_collision_rate(Reader& reader, std::size_t
   const Value* rows = reader.raw(key);
   if (rows == nullptr) return {};
   const auto is_row = [&](const Value& row) {
-    return row.is_array() && row.size() == n_classes && std::all_of(row.items().begin(), row.items().end(), [](const Value& c) {
-             return c.is_number() && Range::not_negative().contains(c.as_number());
-           });
+    return row.is_array() && row.size() == n_classes &&
+           std::all_of(row.items().begin(), row.items().end(),
+                       [](const Value& c) { return c.is_number() && Range::not_negative().contains(c.as_number()); });
   };
-  if (!rows->is_array() || rows->size() != n_classes || !std::all_of(rows->items().begin(), rows->items().end(), is_row)) {
-    reader.problem(key, fmt::format("it must have {0} rows of {0} numbers >= 0, one for each pair of size classes.", n_classes));
+  if (!rows->is_array() || rows->size() != n_classes ||
+      !std::all_of(rows->items().begin(), rows->items().end(), is_row)) {
+    reader.problem(
+        key, fmt::format("it must have {0} rows of {0} numbers >= 0, one for each pair of size classes.", n_classes));
     return {};
   }
   std::vector<std::vector<double>> rate;
@@ -163,7 +169,8 @@ DemRates read_dem(Reader reader, const Compartments& row) {
   if (reader.has("compartment_factor")) {
     dem.compartment_factor = reader.numbers("compartment_factor", Range::not_negative());
     if (dem.compartment_factor.size() != static_cast<std::size_t>(row.count))
-      reader.problem("compartment_factor", fmt::format("it must have {} numbers, one for each compartment.", row.count));
+      reader.problem("compartment_factor",
+                     fmt::format("it must have {} numbers, one for each compartment.", row.count));
   }
   if (reader.has("impact_rate")) {
     dem.impact_rate = reader.numbers("impact_rate", Range::not_negative());
@@ -194,7 +201,8 @@ Aggregation read_aggregation(Reader reader, const std::optional<DemRates>& dem) 
   a.kernel = chosen(reader, "kernel", a.kernel, kKernels);
   a.rate = reader.number_or("rate", a.rate, Range::not_negative());
   if (auto section = reader.optional_section("efficiency")) a.efficiency = read_efficiency(*section, dem.has_value());
-  if (a.kernel == Aggregation::Kernel::dem && !dem) reader.problem("kernel", "it needs collision rates.", "Give the section /dem.");
+  if (a.kernel == Aggregation::Kernel::dem && !dem)
+    reader.problem("kernel", "it needs collision rates.", "Give the section /dem.");
   if (a.kernel == Aggregation::Kernel::dem && dem && dem->collision_rate.empty())
     reader.problem("kernel", "it needs collision rates.", "Give /dem/collision_rate.");
   reader.done();
@@ -206,7 +214,8 @@ Breakage read_breakage(Reader reader, const std::optional<DemRates>& dem) {
   b.selection = chosen(reader, "selection", b.selection, kSelections);
   b.daughters = chosen(reader, "daughters", b.daughters, kDaughters);
   b.rate = reader.number_or("rate", b.rate, Range::not_negative());
-  b.critical_stokes_deformation = reader.number_or("critical_stokes_deformation", b.critical_stokes_deformation, Range::positive());
+  b.critical_stokes_deformation =
+      reader.number_or("critical_stokes_deformation", b.critical_stokes_deformation, Range::positive());
   b.primary_diameter = reader.number_or("primary_diameter", b.primary_diameter, Range::positive());
   if (b.selection == Breakage::Selection::impact && (!dem || dem->impact_rate.empty()))
     reader.problem("selection", "it needs impact rates.", "Give /dem/impact_rate, or take \"constant\" or \"linear\".");
@@ -224,7 +233,8 @@ Consolidation read_consolidation(Reader reader) {
 
 InitialClass read_initial_class(Reader& item, const PbmCase& pbm_case) {
   InitialClass one;
-  one.compartment = static_cast<int>(item.integer_or("compartment", -1, Range::between(-1, pbm_case.compartments.count - 1)));
+  one.compartment =
+      static_cast<int>(item.integer_or("compartment", -1, Range::between(-1, pbm_case.compartments.count - 1)));
   read_class(item, pbm_case.grid, one.i, one.j);
   one.number = item.number("number", Range::positive());
   one.liquid = item.number_or("liquid", 0.0, Range::not_negative());
@@ -252,7 +262,9 @@ void read_times(Reader& reader, PbmCase& c) {
   c.reference_volume = reader.number_or("reference_volume", c.reference_volume, Range::positive());
 }
 
-Value speeds_json(const SpeedDistribution& s) { return Value::object({{"ln_mean", s.ln_mean}, {"ln_sigma", s.ln_sigma}}); }
+Value speeds_json(const SpeedDistribution& s) {
+  return Value::object({{"ln_mean", s.ln_mean}, {"ln_sigma", s.ln_sigma}});
+}
 
 Value pair_json(const std::array<double, 2>& pair) { return Value(json::Array{pair[0], pair[1]}); }
 

@@ -8,7 +8,8 @@
 namespace granary::pbm {
 namespace {
 
-// Of a compartment's solids: what a class must hold to react. Below it there is only the dust of round-off, whose products underflow.
+// Of a compartment's solids: what a class must hold to react. Below it there is only the dust of round-off, whose
+// products underflow.
 constexpr double kNothing = 1e-40;
 
 }  // namespace
@@ -35,14 +36,14 @@ double film_thickness(double volume, double external_liquid) {
 void ActiveClasses::clear() {
   for (auto* list : {&index, &i, &j}) list->clear();
   row_begin.clear();
-  for (auto* list : {&number, &liquid, &gas, &solid_1, &solid_2, &solid, &volume, &diameter, &inverse_diameter, &inverse_mass, &film,
-                     &liquid_fraction, &porosity})
+  for (auto* list : {&number, &liquid, &gas, &solid_1, &solid_2, &solid, &volume, &diameter, &inverse_diameter,
+                     &inverse_mass, &film, &liquid_fraction, &porosity})
     list->clear();
   dem.clear();
 }
 
-void ActiveClasses::append(const ClassGrid& grid, const Materials& materials, std::size_t k, double total_number, double total_liquid,
-                           double total_gas, double participation) {
+void ActiveClasses::append(const ClassGrid& grid, const Materials& materials, std::size_t k, double total_number,
+                           double total_liquid, double total_gas, double participation) {
   const double s1 = grid.solid_1()[k], s2 = grid.solid_2()[k], s = grid.solid()[k];
   const double l = total_liquid / total_number, g = total_gas / total_number;
   const double v = s + l + g;
@@ -57,14 +58,15 @@ void ActiveClasses::append(const ClassGrid& grid, const Materials& materials, st
   volume.push_back(v);
   diameter.push_back(d);
   inverse_diameter.push_back(1.0 / d);
-  inverse_mass.push_back(1.0 / (materials.solid_density[0] * s1 + materials.solid_density[1] * s2 + materials.liquid_density * l));
+  inverse_mass.push_back(
+      1.0 / (materials.solid_density[0] * s1 + materials.solid_density[1] * s2 + materials.liquid_density * l));
   film.push_back(outside > 0.0 ? film_thickness(v, outside) : 0.0);
   liquid_fraction.push_back(outside / v);
   porosity.push_back((l + g) / v);
 }
 
-void ActiveClasses::assign(const ClassGrid& grid, const Materials& materials, Fields state, std::span<const double> participation,
-                           std::span<const double> ln_dem_diameter) {
+void ActiveClasses::assign(const ClassGrid& grid, const Materials& materials, Fields state,
+                           std::span<const double> participation, std::span<const double> ln_dem_diameter) {
   clear();
   double held = 0.0;
   for (std::size_t k = 0; k < grid.size(); ++k) held += grid.solid()[k] * std::max(0.0, state.number[k]);
@@ -76,7 +78,8 @@ void ActiveClasses::assign(const ClassGrid& grid, const Materials& materials, Fi
       index.push_back(static_cast<int>(k));
       i.push_back(row);
       j.push_back(column);
-      append(grid, materials, k, state.number[k], state.liquid[k], state.gas[k], participation.empty() ? 1.0 : participation[k]);
+      append(grid, materials, k, state.number[k], state.liquid[k], state.gas[k],
+             participation.empty() ? 1.0 : participation[k]);
       if (!ln_dem_diameter.empty()) dem.push_back(position_of(ln_dem_diameter, diameter.back()));
     }
   }

@@ -8,7 +8,8 @@ namespace {
 
 /// First active class of a part: class p has p + 1 pairs, so equal work lies between square roots.
 std::size_t part_begin(int part, std::size_t n_active) {
-  return static_cast<std::size_t>(std::lround(static_cast<double>(n_active) * std::sqrt(double(part) / Aggregation2d::kParts)));
+  return static_cast<std::size_t>(
+      std::lround(static_cast<double>(n_active) * std::sqrt(double(part) / Aggregation2d::kParts)));
 }
 
 }  // namespace
@@ -39,8 +40,8 @@ void Aggregation2d::add_pairs_of(std::size_t p, const ActiveClasses& c, Part& su
     const double s1 = c.solid_1[p] + grid_->axis(0).pivot(row);
     const std::size_t end = std::min(c.row_begin[static_cast<std::size_t>(row) + 1], p);
     for (std::size_t q = c.row_begin[static_cast<std::size_t>(row)]; q < end; ++q) {
-      const double hits = beta[q] * number;             // per particle of q
-      const double hits_back = beta[q] * c.number[q];   // per particle of p
+      const double hits = beta[q] * number;            // per particle of q
+      const double hits_back = beta[q] * c.number[q];  // per particle of p
       const double born = hits * c.number[q];
       Birth& cell = into[columns[c.j[q]]];
       cell.number += born;

@@ -15,8 +15,8 @@ namespace granary::pbm {
 ///   death_k += beta_kl F_l,   death_l += beta_kl F_k                    [1/s] per particle
 ///
 /// The destination d1 comes from two tables of n1^2 and n2^2 entries, never from a search.
-/// The pairs are cut into kParts parts whose borders depend on the state alone; each part has its own sums, added in their order.
-/// So the result has the same bits however many threads share the parts.
+/// The pairs are cut into kParts parts whose borders depend on the state alone; each part has its own sums, added in
+/// their order. So the result has the same bits however many threads share the parts.
 class Aggregation2d {
  public:
   static constexpr int kParts = 8;

@@ -11,7 +11,8 @@ double compartment_factor(const PbmCase& c, int compartment) {
 }
 
 double between(const double* values, ClassPosition at) {
-  return at.to_upper == 0.0 ? values[at.lower] : (1.0 - at.to_upper) * values[at.lower] + at.to_upper * values[at.lower + 1];
+  return at.to_upper == 0.0 ? values[at.lower]
+                            : (1.0 - at.to_upper) * values[at.lower] + at.to_upper * values[at.lower + 1];
 }
 
 }  // namespace

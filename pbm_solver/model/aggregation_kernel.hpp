@@ -10,7 +10,8 @@
 
 namespace granary::pbm {
 
-/// Collision rate coefficients between two solid volumes [m^3], in units of a reference volume. Exact solutions exist for these.
+/// Collision rate coefficients between two solid volumes [m^3], in units of a reference volume. Exact solutions exist
+/// for these.
 inline double sum_kernel(double v, double w, double reference) { return (v + w) / reference; }
 inline double product_kernel(double v, double w, double reference) { return v / reference * (w / reference); }
 /// Orthokinetic: proportional to (d_p + d_q)^3 [m^3]; fits high-shear DEM data [gantt2006].
@@ -23,8 +24,8 @@ inline double shear_kernel(double d_p, double d_q) {
 ///
 ///   C(d_p, d_q) = (d_p + d_q)^3 sum_ab w_a(d_p) w_b(d_q) C_ab / (d_a + d_b)^3
 ///
-/// with weights linear in ln d between class centres, and the end class beyond them. So the table's values come back at the
-/// centres, and beyond the DEM's sizes the coefficient follows the orthokinetic law. Symmetric as C is.
+/// with weights linear in ln d between class centres, and the end class beyond them. So the table's values come back at
+/// the centres, and beyond the DEM's sizes the coefficient follows the orthokinetic law. Symmetric as C is.
 class DemKernel {
  public:
   DemKernel() = default;
@@ -40,7 +41,8 @@ class DemKernel {
   std::vector<double> shape_;        ///< C_ab / (d_a + d_b)^3, shape (n, n)
 };
 
-/// beta = rate C psi / V [1/s] in one compartment. C: constant 1 m^3/s, or one of the functions above; psi: the efficiency.
+/// beta = rate C psi / V [1/s] in one compartment. C: constant 1 m^3/s, or one of the functions above; psi: the
+/// efficiency.
 class AggregationKernel {
  public:
   AggregationKernel(const PbmCase& pbm_case, int compartment);

@@ -1,4 +1,5 @@
-// Births collected cell by cell, then shared with the neighbouring pivots on the side of their mean: the cell average technique.
+// Births collected cell by cell, then shared with the neighbouring pivots on the side of their mean: the cell average
+// technique.
 #pragma once
 
 #include <span>
@@ -17,7 +18,8 @@ struct Birth {
   double gas = 0.0;
 
   Birth& operator+=(const Birth& other) {
-    number += other.number, solid_1 += other.solid_1, solid_2 += other.solid_2, liquid += other.liquid, gas += other.gas;
+    number += other.number, solid_1 += other.solid_1, solid_2 += other.solid_2, liquid += other.liquid,
+        gas += other.gas;
     return *this;
   }
 };
@@ -26,7 +28,9 @@ struct Birth {
 class BirthGrid {
  public:
   explicit BirthGrid(const ClassGrid& grid)
-      : rows_(grid.axis(0).size() + 1), columns_(grid.axis(1).size() + 1), births_(static_cast<std::size_t>(rows_ * columns_)) {}
+      : rows_(grid.axis(0).size() + 1),
+        columns_(grid.axis(1).size() + 1),
+        births_(static_cast<std::size_t>(rows_ * columns_)) {}
 
   void clear() { births_.assign(births_.size(), Birth{}); }
   Birth* row(int i) { return &births_[static_cast<std::size_t>(i * columns_)]; }
@@ -55,9 +59,9 @@ struct FieldRates {
 ///
 ///   w(i,j) = w1(i) w2(j),   sum w = 1,   sum w x1 = mean s1,   sum w x2 = mean s2
 ///
-/// so number and both solids survive to round-off. Liquid and gas go with the solid volume, w (x1+x2) / mean(s1+s2): they
-/// survive too, and a population of one composition keeps it.
-/// Source: [kumar2006], [kumar2008] in docs/references.bib; cells are those around the pivots.
+/// so number and both solids survive to round-off. Liquid and gas go with the solid volume, w (x1+x2) / mean(s1+s2):
+/// they survive too, and a population of one composition keeps it. Source: [kumar2006], [kumar2008] in
+/// docs/pbm_equations.md.
 void share_births(const ClassGrid& grid, const BirthGrid& births, FieldRates rates);
 
 }  // namespace granary::pbm

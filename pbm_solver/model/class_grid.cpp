@@ -37,7 +37,8 @@ PivotShare SolidAxis::share(int cell, double mean) const {
 }
 
 ClassGrid::ClassGrid(const Grid& grid)
-    : axes_{SolidAxis(grid.bins[0], grid.smallest[0], grid.ratio[0]), SolidAxis(grid.bins[1], grid.smallest[1], grid.ratio[1])} {
+    : axes_{SolidAxis(grid.bins[0], grid.smallest[0], grid.ratio[0]),
+            SolidAxis(grid.bins[1], grid.smallest[1], grid.ratio[1])} {
   for (int i = 0; i < axes_[0].size(); ++i)
     for (int j = 0; j < axes_[1].size(); ++j) {
       solid_1_.push_back(axes_[0].pivot(i));

@@ -1,5 +1,5 @@
-// The classes of a population: pivots on a tensor grid of the two solid volumes, the cells around them, and where the sum of two
-// pivots falls. Computed once; shared by all compartments.
+// The classes of a population: pivots on a tensor grid of the two solid volumes, the cells around them, and where the
+// sum of two pivots falls. Computed once; shared by all compartments.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace granary::pbm {
 
 /// The two neighbouring pivots a mean lies between, and what part goes to each (they sum to 1).
 struct PivotShare {
-  int lower = 0;           ///< index of the lower pivot; the upper one is lower + 1
+  int lower = 0;  ///< index of the lower pivot; the upper one is lower + 1
   double to_lower = 1.0;
   double to_upper = 0.0;
 };
@@ -27,7 +27,8 @@ class SolidAxis {
   int size() const { return static_cast<int>(pivot_.size()); }
   double pivot(int i) const { return pivot_[static_cast<std::size_t>(i)]; }
   bool absent() const { return pivot_.front() == 0.0; }
-  /// Cell that holds the volume v >= 0; size() if it lies above the last pivot. A v within round-off of an edge counts as on it.
+  /// Cell that holds the volume v >= 0; size() if it lies above the last pivot. A v within round-off of an edge counts
+  /// as on it.
   int cell(double v) const;
   /// Lower edge of cell i; the upper edge of cell i is lower_edge(i + 1), and lower_edge(size()) is the last pivot.
   double lower_edge(int i) const { return edge_[static_cast<std::size_t>(i)]; }

@@ -4,12 +4,14 @@
 
 namespace granary::pbm {
 
-StokesCriterion stokes_criterion(const Efficiency& efficiency, const Materials& materials, const SpeedDistribution& speeds) {
+StokesCriterion stokes_criterion(const Efficiency& efficiency, const Materials& materials,
+                                 const SpeedDistribution& speeds) {
   const double speed_factor = 3.0 * kPi / 8.0 * materials.liquid_viscosity * (1.0 + 1.0 / efficiency.restitution);
   return {speed_factor, efficiency.asperity, speeds.ln_mean, speeds.ln_sigma};
 }
 
-CollisionEfficiency::CollisionEfficiency(const Efficiency& efficiency, const Materials& materials, const SpeedDistribution& speeds)
+CollisionEfficiency::CollisionEfficiency(const Efficiency& efficiency, const Materials& materials,
+                                         const SpeedDistribution& speeds)
     : efficiency_(efficiency), stokes_(stokes_criterion(efficiency, materials, speeds)) {}
 
 void CollisionEfficiency::apply(const ActiveClasses& classes, std::size_t p, std::span<double> beta) const {
@@ -25,7 +27,8 @@ void CollisionEfficiency::apply(const ActiveClasses& classes, std::size_t p, std
       return;
     }
     case Efficiency::Model::stokes:
-      multiply_by_sticking_share(stokes_, {classes.inverse_diameter.data(), classes.inverse_mass.data(), classes.film.data()}, p,
+      multiply_by_sticking_share(stokes_,
+                                 {classes.inverse_diameter.data(), classes.inverse_mass.data(), classes.film.data()}, p,
                                  beta.size(), beta.data());
       return;
   }

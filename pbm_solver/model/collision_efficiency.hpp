@@ -10,7 +10,8 @@
 namespace granary::pbm {
 
 /// The criterion of these settings.
-StokesCriterion stokes_criterion(const Efficiency& efficiency, const Materials& materials, const SpeedDistribution& speeds);
+StokesCriterion stokes_criterion(const Efficiency& efficiency, const Materials& materials,
+                                 const SpeedDistribution& speeds);
 
 /// Multiplies beta[q] by the efficiency of p with q, for q = 0 .. beta.size() - 1.
 class CollisionEfficiency {

@@ -19,7 +19,8 @@ std::array<double, 4> holdup(const ClassGrid& grid, Fields state) {
 }
 
 Inputs inputs_at(const PbmCase& c, double time) {
-  return {c.feed && time >= c.feed->start && time < c.feed->end, c.spray && time >= c.spray->start && time < c.spray->end};
+  return {c.feed && time >= c.feed->start && time < c.feed->end,
+          c.spray && time >= c.spray->start && time < c.spray->end};
 }
 
 ModelTables::ModelTables(const PbmCase& c) : pbm_case(c), grid(c.grid) {
@@ -47,7 +48,8 @@ void Compartment::prepare(Fields state, std::span<const double> participation) {
 }
 
 void Compartment::finish(Fields state, Fields upstream, Inputs inputs, FieldRates rates, std::span<double> flows) {
-  for (auto span : {rates.number, rates.liquid, rates.gas, flows, std::span(loss_rate_)}) std::fill(span.begin(), span.end(), 0.0);
+  for (auto span : {rates.number, rates.liquid, rates.gas, flows, std::span(loss_rate_)})
+    std::fill(span.begin(), span.end(), 0.0);
   if (aggregation_ || selection_) add_kinetics(rates, flows);
   if (tables_->pbm_case.consolidation) consolidate(state, rates, flows);
   if (inputs.feed && index_ == 0) add_feed(rates, flows);
@@ -96,7 +98,8 @@ void Compartment::consolidate(Fields state, FieldRates rates, std::span<double> 
   for (std::size_t k = 0; k < tables_->grid.size(); ++k) {
     if (!(state.number[k] > 0.0)) continue;
     const double l = state.liquid[k] / state.number[k], g = state.gas[k] / state.number[k];
-    const double lost = state.number[k] * consolidation_rate(*c.consolidation, c.materials.saturation_factor, tables_->grid.solid()[k], l, g);
+    const double lost = state.number[k] * consolidation_rate(*c.consolidation, c.materials.saturation_factor,
+                                                             tables_->grid.solid()[k], l, g);
     rates.gas[k] -= lost;
     flows[ledger::kConsolidated] += lost;
   }

@@ -1,4 +1,5 @@
-// The sum of all mechanisms in one compartment: dF/dt, dL/dt, dG/dt and what flows in and out. No ranks, no files, no time.
+// The sum of all mechanisms in one compartment: dF/dt, dL/dt, dG/dt and what flows in and out. No ranks, no files, no
+// time.
 #pragma once
 
 #include <array>
@@ -15,14 +16,14 @@
 
 namespace granary::pbm {
 
-/// What came into the whole row and left it through one compartment since the start: the book-keeping of conservation. [m^3]; for
-/// each of solid 1, solid 2, liquid, gas.
+/// What came into the whole row and left it through one compartment since the start: the book-keeping of conservation.
+/// [m^3]; for each of solid 1, solid 2, liquid, gas.
 namespace ledger {
 enum : std::size_t {
-  kStart = 0,       ///< held at the very start
-  kIn = 4,          ///< fed and sprayed
-  kOut = 8,         ///< left at the end of the row
-  kOversize = 12,   ///< left above the grid's last pivots
+  kStart = 0,            ///< held at the very start
+  kIn = 4,               ///< fed and sprayed
+  kOut = 8,              ///< left at the end of the row
+  kOversize = 12,        ///< left above the grid's last pivots
   kConsolidated = 16,    ///< gas squeezed out
   kOversizeNumber = 17,  ///< particles above the grid [-]
   kSize = 18

@@ -8,7 +8,9 @@ namespace {
 // Twice the first pivot can be divided, also when round-off says otherwise.
 constexpr double kRoundOff = 1e-12;
 
-bool divisible_along(const SolidAxis& axis, int i) { return axis.absent() || axis.pivot(i) >= 2.0 * axis.pivot(0) * (1.0 - kRoundOff); }
+bool divisible_along(const SolidAxis& axis, int i) {
+  return axis.absent() || axis.pivot(i) >= 2.0 * axis.pivot(0) * (1.0 - kRoundOff);
+}
 
 }  // namespace
 
@@ -27,7 +29,8 @@ DaughterDistribution::DaughterDistribution(const ClassGrid& grid, Breakage::Daug
 /// u = clamp(uniform in [0, x], p, x - p): density 1/x in between, and a share p/x at each of the two ends.
 DaughterDistribution::AxisFragments DaughterDistribution::uniform_on(const SolidAxis& axis) {
   const int n = axis.size();
-  AxisFragments f{std::vector<double>(static_cast<std::size_t>(n * n)), std::vector<double>(static_cast<std::size_t>(n * n))};
+  AxisFragments f{std::vector<double>(static_cast<std::size_t>(n * n)),
+                  std::vector<double>(static_cast<std::size_t>(n * n))};
   const auto add = [&](int parent, int cell, double share, double mean) {
     f.share[static_cast<std::size_t>(parent * n + cell)] += share;
     f.volume[static_cast<std::size_t>(parent * n + cell)] += share * mean;
@@ -66,7 +69,8 @@ void DaughterDistribution::list_fragments(const ClassGrid& grid, Breakage::Daugh
       add(k, 0.5, 1.0);
       continue;
     }
-    // theta in [0, 1/2] and its sister in [1/2, 1]: the shares below are of that half. Cut where either sister changes its cell.
+    // theta in [0, 1/2] and its sister in [1/2, 1]: the shares below are of that half. Cut where either sister changes
+    // its cell.
     double least = 0.0;
     std::vector<double> cuts{0.5};
     for (int solid = 0; solid < 2; ++solid) {
@@ -126,8 +130,8 @@ void DaughterDistribution::add_uniform(const ClassGrid& grid, const Broken& brok
       for (int b = 0; b <= j; ++b) {
         const double share = columns_.share[static_cast<std::size_t>(j * n2 + b)];
         const double volume = columns_.volume[static_cast<std::size_t>(j * n2 + b)];
-        births.at(a, b) += {share * row.number, share * row.solid_1, volume * row.number, share * row.liquid_1 + volume * row.liquid,
-                            share * row.gas_1 + volume * row.gas};
+        births.at(a, b) += {share * row.number, share * row.solid_1, volume * row.number,
+                            share * row.liquid_1 + volume * row.liquid, share * row.gas_1 + volume * row.gas};
       }
     }
   }
@@ -140,8 +144,8 @@ void DaughterDistribution::add_listed(const ClassGrid& grid, const Broken& broke
     for (std::size_t f = first_[k]; f < first_[k + 1]; ++f) {
       const Fragment& fragment = fragments_[f];
       const double part = (fragment.solid_1 + fragment.solid_2) / grid.solid()[k];
-      births.at(fragment.i, fragment.j) += {fragment.number * number, fragment.solid_1 * number, fragment.solid_2 * number,
-                                            part * broken.liquid[k], part * broken.gas[k]};
+      births.at(fragment.i, fragment.j) += {fragment.number * number, fragment.solid_1 * number,
+                                            fragment.solid_2 * number, part * broken.liquid[k], part * broken.gas[k]};
     }
   }
 }

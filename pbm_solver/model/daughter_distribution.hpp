@@ -23,8 +23,8 @@ struct Broken {
 ///   halves             u_k = x_k / 2
 ///   same_composition   u_k = theta x_k, theta uniform in [0, 1]
 ///
-/// integrated exactly over the grid's cells. Nothing is smaller than the first pivot p_k of a solid that is there: u_k is held
-/// within [p_k, x_k - p_k] (theta likewise), which moves material between sisters and loses none; a parent with
+/// integrated exactly over the grid's cells. Nothing is smaller than the first pivot p_k of a solid that is there: u_k
+/// is held within [p_k, x_k - p_k] (theta likewise), which moves material between sisters and loses none; a parent with
 /// x_k < 2 p_k of a solid cannot be divided. Liquid and gas are divided as the solid volume is.
 class DaughterDistribution {
  public:
@@ -43,7 +43,7 @@ class DaughterDistribution {
     std::vector<double> volume;  ///< [m^3], shape (n, n)
   };
   struct Fragment {
-    int i, j;                       ///< cell
+    int i, j;                         ///< cell
     double number, solid_1, solid_2;  ///< per broken parent
   };
   static AxisFragments uniform_on(const SolidAxis& axis);
@@ -53,8 +53,8 @@ class DaughterDistribution {
 
   Breakage::Daughters model_;
   std::vector<char> divisible_;
-  AxisFragments rows_, columns_;         ///< uniform_binary
-  std::vector<Fragment> fragments_;      ///< the other models: those of class k are [first_[k], first_[k + 1])
+  AxisFragments rows_, columns_;     ///< uniform_binary
+  std::vector<Fragment> fragments_;  ///< the other models: those of class k are [first_[k], first_[k + 1])
   std::vector<std::size_t> first_;
 };
 

@@ -8,8 +8,8 @@
 
 namespace granary::pbm {
 
-/// Impact speed above which a granule breaks [m/s], from a critical Stokes deformation number and the viscous strength of its
-/// liquid bridges:
+/// Impact speed above which a granule breaks [m/s], from a critical Stokes deformation number and the viscous strength
+/// of its liquid bridges:
 ///
 ///   U_br = 2 St* / rho  9/8 (1 - eps)^2 / eps^2  9 pi mu / (16 d_pp)         infinite without pores (eps = 0)
 ///
@@ -23,8 +23,8 @@ double share_faster(const SpeedDistribution& speeds, double speed);
 
 /// K = rate C_imp P(U > U_br) [1/s] in one compartment.
 ///   constant: C_imp P = 1/s.   linear: the solid volume over the reference volume, per second.
-///   impact: the DEM's impact rate at the class's diameter (linear in ln d between class centres, the end class beyond them)
-///   times the share of impacts faster than the breakage speed.
+///   impact: the DEM's impact rate at the class's diameter (linear in ln d between class centres, the end class beyond
+///   them) times the share of impacts faster than the breakage speed.
 class SelectionFunction {
  public:
   SelectionFunction(const PbmCase& pbm_case, int compartment);
@@ -37,8 +37,8 @@ class SelectionFunction {
   Breakage breakage_;
   double viscosity_;
   double reference_volume_;
-  double factor_ = 1.0;                ///< of the compartment's impacts
-  std::vector<double> impact_rate_;    ///< [1/s], by DEM class
+  double factor_ = 1.0;              ///< of the compartment's impacts
+  std::vector<double> impact_rate_;  ///< [1/s], by DEM class
   std::vector<double> ln_diameter_;
   SpeedDistribution impact_speed_;
 };

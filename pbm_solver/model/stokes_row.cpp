@@ -12,10 +12,12 @@
 namespace granary::pbm {
 
 GRANARY_EVERY_WIDTH
-void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p, std::size_t n, double* beta) {
+void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p, std::size_t n,
+                                double* beta) {
   const double speed_factor = 2.0 * criterion.speed_factor, inverse_asperity = 0.5 / criterion.asperity;
   const double ln_mean = criterion.ln_mean, inverse_width = 1.0 / (criterion.ln_sigma * sqrt(2.0));
-  const double inverse_diameter = particles.inverse_diameter[p], inverse_mass = particles.inverse_mass[p], film = particles.film[p];
+  const double inverse_diameter = particles.inverse_diameter[p], inverse_mass = particles.inverse_mass[p],
+               film = particles.film[p];
   const double *diameters = particles.inverse_diameter, *masses = particles.inverse_mass, *films = particles.film;
 #pragma omp simd
   for (std::size_t q = 0; q < n; ++q) {

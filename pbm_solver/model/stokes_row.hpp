@@ -1,5 +1,5 @@
-// The viscous Stokes criterion for many pairs at once: the one formula that costs more than all the rest, in a file of its own that
-// is compiled for the vector forms of log and erfc.
+// The viscous Stokes criterion for many pairs at once: the one formula that costs more than all the rest, in a file of
+// its own that is compiled for the vector forms of log and erfc.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@ namespace granary::pbm {
 
 /// Two wet particles stick below the speed [m/s]
 ///
-///   U_crit = 3 pi mu d^2 / (8 m) (1 + 1/e) ln(h / h_a),     d, m: harmonic means of the pair,  h: mean of their two films
+///   U_crit = 3 pi mu d^2 / (8 m) (1 + 1/e) ln(h / h_a),     d, m: harmonic means of the pair,  h: mean of their two
+///   films
 ///
 /// and with ln U normal (mean m_U, deviation s_U) this is the share of their collisions
 ///
@@ -30,6 +31,7 @@ struct WetParticles {
 };
 
 /// beta[q] *= psi(p, q) for q = 0 .. n-1. All inputs must be finite.
-void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p, std::size_t n, double* beta);
+void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p, std::size_t n,
+                                double* beta);
 
 }  // namespace granary::pbm

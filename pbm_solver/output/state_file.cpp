@@ -57,8 +57,11 @@ Status create_rows(Hdf5File& h5, const PbmCase& c) {
       {"/state/gas", {x, n1, n2}, "m^3", "gas of all particles of the class"},
       {"/state/next_step", {}, "s", "the step the integrator would take next"},
       {"/state/last_error", {}, "1", "error of its last step over the tolerance"},
-      {"/state/ledger", {x * ledger::kSize}, "m^3",
-       "by compartment: held at the start, came in, left at the outlet, left above the grid (solid 1, solid 2, liquid, gas each), "
+      {"/state/ledger",
+       {x * ledger::kSize},
+       "m^3",
+       "by compartment: held at the start, came in, left at the outlet, left above the grid (solid 1, solid 2, liquid, "
+       "gas each), "
        "gas consolidated, particles above the grid"},
       {"/state/d10", {x}, "m", "diameter below which 10 % of the particle volume lies"},
       {"/state/d50", {x}, "m", "diameter below which 50 % of the particle volume lies"},
@@ -96,24 +99,28 @@ std::uintmax_t room_in(const fs::path& file) {
   rlimit allowed{};
   if (getrlimit(RLIMIT_FSIZE, &allowed) == 0 && allowed.rlim_cur != RLIM_INFINITY) {
     const std::uintmax_t written = fs::file_size(file, unknown);
-    if (!unknown) room = std::min<std::uintmax_t>(room, allowed.rlim_cur - std::min<std::uintmax_t>(allowed.rlim_cur, written));
+    if (!unknown)
+      room = std::min<std::uintmax_t>(room, allowed.rlim_cur - std::min<std::uintmax_t>(allowed.rlim_cur, written));
   }
   return room;
 }
 
-/// When a write fails for want of room, HDF5 1.10 ends the process and may leave a file it cannot read again: so look before.
+/// When a write fails for want of room, HDF5 1.10 ends the process and may leave a file it cannot read again: so look
+/// before.
 Status room_for(const fs::path& file, const Snapshot& s) {
   const std::uintmax_t row = 8 * (4 * s.number.size() + s.ledger.size()) + 4096;
   constexpr std::uintmax_t kChunks = 256 * 1024;  // chunks and indices are written whole
   const std::uintmax_t needed = 4 * row + kChunks, room = room_in(file);
   if (room >= needed) return {};
-  return Error{fmt::format("{}: the disk is full ({} bytes free; the state at {:g} s wants {}). The states before it are whole: make room "
+  return Error{fmt::format("{}: the disk is full ({} bytes free; the state at {:g} s wants {}). The states before it "
+                           "are whole: make room "
                            "and restart from the last of them.",
                            file.string(), room, s.time, needed),
                Exit::task_failed};
 }
 
-std::string described(const std::vector<double>& solid_1, const std::vector<double>& solid_2, std::size_t n_compartments) {
+std::string described(const std::vector<double>& solid_1, const std::vector<double>& solid_2,
+                      std::size_t n_compartments) {
   const auto axis = [](const std::vector<double>& p) {
     return p.size() < 2 ? fmt::format("{} class at {:g} m^3", p.size(), p.empty() ? 0.0 : p[0])
                         : fmt::format("{} classes from {:g} m^3 by {:g}", p.size(), p[0], p[1] / p[0]);
@@ -122,8 +129,9 @@ std::string described(const std::vector<double>& solid_1, const std::vector<doub
 }
 
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](double x, double y) { return std::abs(x - y) <= kSameVolume * std::max(std::abs(x), std::abs(y)); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+    return std::abs(x - y) <= kSameVolume * std::max(std::abs(x), std::abs(y));
+  });
 }
 
 /// Row of the wanted time; the last if none is.
@@ -132,9 +140,10 @@ Result<std::size_t> row_of(const std::vector<double>& times, const Restart& rest
   if (!restart.time) return times.size() - 1;
   for (std::size_t t = times.size(); t-- > 0;)
     if (std::abs(times[t] - *restart.time) <= kSameTime * std::max(1.0, std::abs(*restart.time))) return t;
-  return Error{fmt::format("{}: there is no state at {:g} s (/restart/time); it has {} from {:g} s to {:g} s. Take one of these, or leave "
-                           "/restart/time out for the last.",
-                           restart.file.string(), *restart.time, times.size(), times.front(), times.back())};
+  return Error{fmt::format(
+      "{}: there is no state at {:g} s (/restart/time); it has {} from {:g} s to {:g} s. Take one of these, or leave "
+      "/restart/time out for the last.",
+      restart.file.string(), *restart.time, times.size(), times.front(), times.back())};
 }
 
 }  // namespace
@@ -182,10 +191,11 @@ Result<Snapshot> read_restart(const Restart& restart, const PbmCase& c, const Cl
   const auto wanted_1 = pivots(grid.axis(0)), wanted_2 = pivots(grid.axis(1));
   const auto n_compartments = static_cast<std::size_t>(c.compartments.count);
   if (!same(solid_1.values, wanted_1) || !same(solid_2.values, wanted_2) || total.size() != n_compartments)
-    return Error{fmt::format("{}: its state is of another grid: {}; the case has {}. Restart with the grid and the compartments of the "
-                             "earlier run.",
-                             restart.file.string(), described(solid_1.values, solid_2.values, total.size()),
-                             described(wanted_1, wanted_2, n_compartments))};
+    return Error{fmt::format(
+        "{}: its state is of another grid: {}; the case has {}. Restart with the grid and the compartments of the "
+        "earlier run.",
+        restart.file.string(), described(solid_1.values, solid_2.values, total.size()),
+        described(wanted_1, wanted_2, n_compartments))};
   GRANARY_TRY(s.number, h5.read_row("/state/number", row));
   GRANARY_TRY(s.liquid, h5.read_row("/state/liquid", row));
   GRANARY_TRY(s.gas, h5.read_row("/state/gas", row));
@@ -195,7 +205,8 @@ Result<Snapshot> read_restart(const Restart& restart, const PbmCase& c, const Cl
   s.next_step = next_step.at(0);
   s.last_error = last_error.at(0);
   if (s.number.size() != n_compartments * grid.size() || s.ledger.size() != n_compartments * ledger::kSize)
-    return Error{fmt::format("{}: its rows are not as long as its grid asks. The file is damaged.", restart.file.string())};
+    return Error{
+        fmt::format("{}: its rows are not as long as its grid asks. The file is damaged.", restart.file.string())};
   return s;
 }
 

@@ -26,10 +26,11 @@ class StateFile {
 };
 
 /// One state in a file of its own, written beside `file` and renamed over it.
-Status write_checkpoint(const std::filesystem::path& file, const PbmCase& pbm_case, const ClassGrid& grid, const Snapshot& snapshot);
+Status write_checkpoint(const std::filesystem::path& file, const PbmCase& pbm_case, const ClassGrid& grid,
+                        const Snapshot& snapshot);
 
-/// The state a case restarts from. Errors: no such file, another grid or number of compartments (both are named), no output at
-/// that time (the times there are are named).
+/// The state a case restarts from. Errors: no such file, another grid or number of compartments (both are named), no
+/// output at that time (the times there are are named).
 Result<Snapshot> read_restart(const Restart& restart, const PbmCase& pbm_case, const ClassGrid& grid);
 
 }  // namespace granary::pbm

@@ -1,4 +1,5 @@
-// What a state comes to, compartment by compartment: the numbers a monitor or a person watches, and the progress line of them.
+// What a state comes to, compartment by compartment: the numbers a monitor or a person watches, and the progress line
+// of them.
 #pragma once
 
 #include <vector>
@@ -17,18 +18,18 @@ struct Quantiles {
 };
 
 struct Summary {
-  std::vector<double> number;             ///< particles, shape (X)
-  std::vector<double> d10, d50, d90;      ///< of the full volume-weighted distribution [m], shape (X)
-  std::vector<double> solid, liquid, gas; ///< held [m^3], shape (X)
-  std::vector<double> porosity;           ///< (liquid + gas) / (solid + liquid + gas), shape (X)
+  std::vector<double> number;              ///< particles, shape (X)
+  std::vector<double> d10, d50, d90;       ///< of the full volume-weighted distribution [m], shape (X)
+  std::vector<double> solid, liquid, gas;  ///< held [m^3], shape (X)
+  std::vector<double> porosity;            ///< (liquid + gas) / (solid + liquid + gas), shape (X)
   // Outlet: the flow out of the last compartment; all 0 without flow.
-  double outlet_mass_rate = 0.0;          ///< solids [kg/s]
-  double outlet_number_rate = 0.0;        ///< [1/s]
-  Quantiles outlet;                       ///< [m]
-  double outlet_liquid_fraction = 0.0;    ///< liquid over particle volume
-  std::vector<double> outlet_rate;        ///< particles by class [1/s], shape (n_classes)
+  double outlet_mass_rate = 0.0;        ///< solids [kg/s]
+  double outlet_number_rate = 0.0;      ///< [1/s]
+  Quantiles outlet;                     ///< [m]
+  double outlet_liquid_fraction = 0.0;  ///< liquid over particle volume
+  std::vector<double> outlet_rate;      ///< particles by class [1/s], shape (n_classes)
   Drift drift;
-  double oversize = 0.0;                  ///< solids that left the grid at its top, since the start [m^3]
+  double oversize = 0.0;  ///< solids that left the grid at its top, since the start [m^3]
 };
 
 Summary summarize(const Snapshot& snapshot, const PbmCase& pbm_case, const ClassGrid& grid);

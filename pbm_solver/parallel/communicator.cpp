@@ -9,7 +9,8 @@
 namespace granary::pbm {
 namespace {
 
-/// A launcher leaves its mark in the environment. Starting MPI without one costs a tenth of a second: too much for small runs.
+/// A launcher leaves its mark in the environment. Starting MPI without one costs a tenth of a second: too much for
+/// small runs.
 bool launched_by_mpi() {
   for (const char* mark : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"})
     if (std::getenv(mark) != nullptr) return true;
@@ -42,7 +43,8 @@ double Communicator::sum(double mine) const {
 }
 
 void Communicator::max(std::span<double> values) const {
-  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  if (size_ > 1)
+    MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
 }
 
 void Communicator::shift_down(std::span<const double> send, std::span<double> receive) const {

@@ -27,7 +27,8 @@ class Communicator {
   void shift_down(std::span<const double> send, std::span<double> receive) const;
   /// Concatenates what each rank has, in order of rank, on every rank.
   void gather(std::span<const double> mine, std::span<double> all) const;
-  /// One rank's error is everyone's: fails on every rank if it failed on any, so that nobody waits for the others for ever.
+  /// One rank's error is everyone's: fails on every rank if it failed on any, so that nobody waits for the others for
+  /// ever.
   Status agree(Status mine) const;
 
  private:

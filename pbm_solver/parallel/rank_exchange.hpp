@@ -18,7 +18,9 @@ class RankExchange : public Exchange {
   RankExchange(const Communicator& ranks, int n_compartments)
       : ranks_(&ranks), share_(block_of(n_compartments, ranks.rank(), ranks.size())) {}
   Share share() const override { return share_; }
-  void pass_downstream(std::span<const double> last, std::span<double> upstream) override { ranks_->shift_down(last, upstream); }
+  void pass_downstream(std::span<const double> last, std::span<double> upstream) override {
+    ranks_->shift_down(last, upstream);
+  }
   void gather(std::span<const double> mine, std::span<double> all) override { ranks_->gather(mine, all); }
 
  private:

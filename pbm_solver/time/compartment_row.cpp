@@ -50,14 +50,16 @@ void CompartmentRow::rates(std::span<const double> state, std::span<const double
 
 void CompartmentRow::prepare(std::span<const double> state, std::span<const double> participation, int x) {
   const auto at = static_cast<std::size_t>(x);
-  compartments_[at].prepare(fields(state, at), participation.empty() ? participation : participation.subspan(at * n_, n_));
+  compartments_[at].prepare(fields(state, at),
+                            participation.empty() ? participation : participation.subspan(at * n_, n_));
 }
 
 void CompartmentRow::finish(std::span<const double> state, Inputs inputs, int x, std::span<double> rates) {
   const auto at = static_cast<std::size_t>(x);
   const Fields above = x > 0 ? fields(state, at - 1) : upstream_.empty() ? Fields{} : fields_at(upstream_.data(), n_);
   double* out = rates.data() + at * stride();
-  compartments_[at].finish(fields(state, at), above, inputs, {std::span(out, n_), std::span(out + n_, n_), std::span(out + 2 * n_, n_)},
+  compartments_[at].finish(fields(state, at), above, inputs,
+                           {std::span(out, n_), std::span(out + n_, n_), std::span(out + 2 * n_, n_)},
                            std::span(out + 3 * n_, ledger::kSize));
 }
 

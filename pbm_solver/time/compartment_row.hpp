@@ -9,8 +9,8 @@
 
 namespace granary::pbm {
 
-/// The state is one array: for each compartment of this rank its numbers, liquid and gas (n_classes each), then its ledger
-/// (ledger::kSize), which is integrated with the same weights, so that the balance closes to round-off.
+/// The state is one array: for each compartment of this rank its numbers, liquid and gas (n_classes each), then its
+/// ledger (ledger::kSize), which is integrated with the same weights, so that the balance closes to round-off.
 class CompartmentRow {
  public:
   CompartmentRow(const ModelTables& tables, Exchange& exchange, int threads);
@@ -25,7 +25,8 @@ class CompartmentRow {
 
   /// d(state)/dt. Collective over the ranks: one message downstream. The same bits for any number of threads and ranks.
   /// @param participation  see ActiveClasses::assign; empty, or shape (compartments, n_classes)
-  void rates(std::span<const double> state, std::span<const double> participation, Inputs inputs, std::span<double> rates);
+  void rates(std::span<const double> state, std::span<const double> participation, Inputs inputs,
+             std::span<double> rates);
   /// Loss rate per particle at the last rates(), by compartment and class [1/s].
   std::span<const double> loss_rate(std::size_t x) const { return compartments_[x].loss_rate(); }
 

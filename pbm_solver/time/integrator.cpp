@@ -13,12 +13,12 @@ namespace granary::pbm {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMargin = 0.9;          // of the longest step that keeps a class positive
-constexpr double kSmall = 0.1;           // of the tolerance: share of a compartment's solids in all small classes together
-constexpr double kDust = 1e-12;          // share of a compartment's solids
+constexpr double kMargin = 0.9;  // of the longest step that keeps a class positive
+constexpr double kSmall = 0.1;   // of the tolerance: share of a compartment's solids in all small classes together
+constexpr double kDust = 1e-12;  // share of a compartment's solids
 constexpr double kLongestGrowth = 3.0;
 constexpr int kMostAttempts = 200;
-constexpr std::size_t kQuantities = 4;   // number, solid volume, liquid, gas
+constexpr std::size_t kQuantities = 4;  // number, solid volume, liquid, gas
 constexpr std::array<const char*, kQuantities> kQuantityNames{"number", "solid volume", "liquid", "gas"};
 
 /// Particles, solid volume, liquid and gas that feed and spray bring between two outputs.
@@ -69,16 +69,19 @@ void Integrator::mark_small_classes(std::span<const double> state) {
     double total = 0.0, sum = 0.0;
     for (std::size_t k = 0; k < n; ++k) total += held(k);
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std::pair(held(a), a) < std::pair(held(b), b); });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return std::pair(held(a), a) < std::pair(held(b), b); });
     for (const std::size_t k : order) {
       sum += held(k);
-      sizes_[x * n + k] = sum >= kSmall * tolerance_ * total ? Size::large : held(k) < kDust * total ? Size::dust : Size::small;
+      sizes_[x * n + k] = sum >= kSmall * tolerance_ * total ? Size::large
+                          : held(k) < kDust * total          ? Size::dust
+                                                             : Size::small;
     }
   }
 }
 
-/// Whether a class is to be slowed down for a step of h: small, faster than the step, and emptied by it. Dust in any case: its births
-/// may stop in a later stage.
+/// Whether a class is to be slowed down for a step of h: small, faster than the step, and emptied by it. Dust in any
+/// case: its births may stop in a later stage.
 bool Integrator::slowed_down(std::span<const double> state, std::size_t x, std::size_t k, double h) const {
   const std::size_t n = row_->classes();
   const Size size = sizes_[x * n + k];
@@ -101,13 +104,14 @@ double Integrator::limit_by_emptying(std::span<const double> state, double h) co
     for (std::size_t k = 0; k < n; ++k) {
       if (!emptied(state, x, k, h) || slowed_down(state, x, k, h)) continue;
       for (std::size_t at = x * row_->stride() + k, q = 0; q < 3; ++q, at += n)
-        if (state[at] + 0.5 * h * first_rates_[at] < 0.0) limit = std::min(limit, kMargin * 2.0 * state[at] / -first_rates_[at]);
+        if (state[at] + 0.5 * h * first_rates_[at] < 0.0)
+          limit = std::min(limit, kMargin * 2.0 * state[at] / -first_rates_[at]);
     }
   return limit;
 }
 
-/// The longest step, at most h, in which what is born into classes slowed down leaves them small: otherwise they would fill up over
-/// long steps and have to be emptied in very short ones.
+/// The longest step, at most h, in which what is born into classes slowed down leaves them small: otherwise they would
+/// fill up over long steps and have to be emptied in very short ones.
 double Integrator::limit_by_filling(std::span<const double> state, double h) const {
   const std::size_t n = row_->classes();
   const std::span<const double> solid = row_->grid().solid();
@@ -154,7 +158,8 @@ double Integrator::limit_first_stage(std::span<const double> state, Inputs input
   return h;
 }
 
-/// Notes which compartments have a negative class in a stage, and slows down the small ones among these for a repeated step.
+/// Notes which compartments have a negative class in a stage, and slows down the small ones among these for a repeated
+/// step.
 void Integrator::check(std::span<const double> stage) {
   const std::size_t n = row_->classes();
   for (std::size_t x = 0; x < row_->compartments(); ++x)
@@ -216,7 +221,8 @@ Integrator::Judgement Integrator::judge(std::span<const double> state, double h)
   Judgement judgement;
   std::array<double, kQuantities> mean = brought_;
   for (std::size_t x = 0; x < n_compartments_; ++x)
-    for (std::size_t q = 0; q < kQuantities; ++q) mean[q] += all[x * kEach + kQuantities + q] / static_cast<double>(n_compartments_);
+    for (std::size_t q = 0; q < kQuantities; ++q)
+      mean[q] += all[x * kEach + kQuantities + q] / static_cast<double>(n_compartments_);
   for (std::size_t x = 0; x < n_compartments_; ++x) {
     const double* error = &all[x * kEach];
     const double* held = error + kQuantities;
@@ -236,11 +242,13 @@ Integrator::Judgement Integrator::judge(std::span<const double> state, double h)
   return judgement;
 }
 
-Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest, double shortest) {
+Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest,
+                                          double shortest) {
   mark_small_classes(state);
   evaluate(state, {}, inputs, first_rates_);
   for (std::size_t x = 0; x < row_->compartments(); ++x)
-    std::copy(row_->loss_rate(x).begin(), row_->loss_rate(x).end(), first_loss_.begin() + static_cast<std::ptrdiff_t>(x * row_->classes()));
+    std::copy(row_->loss_rate(x).begin(), row_->loss_rate(x).end(),
+              first_loss_.begin() + static_cast<std::ptrdiff_t>(x * row_->classes()));
   const double asked = h;
   Judgement last;
   bool repeat = false;  // the same step again, with classes slowed down further
@@ -271,13 +279,14 @@ double Integrator::next_step(double taken, double longest, bool was_cut, double 
 }
 
 Error Integrator::too_hard(double time, double h, const Judgement& last) const {
-  return {fmt::format("the tolerance cannot be kept: at {:g} s the step fell to {:g} s, compartment {}, because {}. "
-                      "Look at /relative_tolerance (now {:g}), /aggregation/rate, /breakage/rate and the rates in /dem, and at "
-                      "/grid (its largest classes may react far faster than the rest).",
-                      time, h, last.worst_compartment,
-                      last.verdict == Verdict::shorten ? std::string("a class would become negative")
-                                                       : fmt::format("of its {}", kQuantityNames[last.worst_quantity]),
-                      tolerance_),
+  return {fmt::format(
+              "the tolerance cannot be kept: at {:g} s the step fell to {:g} s, compartment {}, because {}. "
+              "Look at /relative_tolerance (now {:g}), /aggregation/rate, /breakage/rate and the rates in /dem, and at "
+              "/grid (its largest classes may react far faster than the rest).",
+              time, h, last.worst_compartment,
+              last.verdict == Verdict::shorten ? std::string("a class would become negative")
+                                               : fmt::format("of its {}", kQuantityNames[last.worst_quantity]),
+              tolerance_),
           kToleranceNotKept};
 }
 

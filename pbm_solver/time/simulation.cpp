@@ -48,8 +48,8 @@ Result<bool> Simulation::advance(double until, const std::function<bool()>& go_o
     // The last two steps to a stop are equal, so that none is very short.
     const bool last = next_step_ >= left * (1.0 - kRoundOff);
     const double h = last ? left : std::min(next_step_, 0.5 * left);
-    GRANARY_TRY(const Integrator::Step step, integrator_.step(state_, time_, inputs_at(tables_->pbm_case, time_), h, next_step_,
-                                                              std::min(shortest, 0.5 * left)));
+    GRANARY_TRY(const Integrator::Step step, integrator_.step(state_, time_, inputs_at(tables_->pbm_case, time_), h,
+                                                              next_step_, std::min(shortest, 0.5 * left)));
     time_ = last && step.taken == h ? stop : time_ + step.taken;
     next_step_ = step.next;
     if (!go_on()) return time_ >= until;

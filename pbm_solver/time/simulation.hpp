@@ -26,7 +26,8 @@ class Simulation {
 
   /// Integrates to `until` exactly, ending steps also where feed or spray are switched. Collective. After each step
   /// `go_on` is asked (on every rank, with the same answer); false ends early. Returns whether `until` was reached.
-  Result<bool> advance(double until, const std::function<bool()>& go_on = [] { return true; });
+  Result<bool> advance(
+      double until, const std::function<bool()>& go_on = [] { return true; });
 
   /// The state of all compartments, on every rank. Collective.
   Snapshot snapshot();

@@ -9,12 +9,12 @@
 namespace granary::pbm {
 
 struct Snapshot {
-  double time = 0.0;                    ///< [s]
-  double next_step = 0.0;               ///< what the step control would try next [s]; 0: not started
-  double last_error = 1.0;              ///< of the last step, relative to the tolerance (the step control remembers it)
-  std::vector<double> number;           ///< shape (X, n_classes)
-  std::vector<double> liquid, gas;      ///< totals of the classes [m^3], shape (X, n_classes)
-  std::vector<double> ledger;           ///< shape (X, ledger::kSize)
+  double time = 0.0;                ///< [s]
+  double next_step = 0.0;           ///< what the step control would try next [s]; 0: not started
+  double last_error = 1.0;          ///< of the last step, relative to the tolerance (the step control remembers it)
+  std::vector<double> number;       ///< shape (X, n_classes)
+  std::vector<double> liquid, gas;  ///< totals of the classes [m^3], shape (X, n_classes)
+  std::vector<double> ledger;       ///< shape (X, ledger::kSize)
 };
 
 /// The start of a case: its initial classes, or empty.

@@ -27,11 +27,13 @@ constexpr std::array<Node, 5> kGauss{{{0.0, 0.5688888888888889},
                                       {-0.906179845938664, 0.23692688505618908},
                                       {0.906179845938664, 0.23692688505618908}}};
 
-/// Nodes for integrals over [low, high]: pieces of at most half an octave; the first of a cell from 0 starts at high / 2^12.
+/// Nodes for integrals over [low, high]: pieces of at most half an octave; the first of a cell from 0 starts at high /
+/// 2^12.
 std::vector<Node> nodes(double low, double high) {
   std::vector<Node> list;
   const auto add = [&](double from, double to) {
-    for (const Node& g : kGauss) list.push_back({0.5 * (from + to) + 0.5 * (to - from) * g.x, 0.5 * (to - from) * g.weight});
+    for (const Node& g : kGauss)
+      list.push_back({0.5 * (from + to) + 0.5 * (to - from) * g.x, 0.5 * (to - from) * g.weight});
   };
   double from = low;
   if (low == 0.0) {

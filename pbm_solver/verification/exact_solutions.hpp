@@ -28,7 +28,8 @@ double sum_kernel_2d(double x, double y, double t);
 /// With a grid of one solid the density is called with y = 0 and is one per volume of that solid.
 BirthGrid cell_content(const ClassGrid& grid, const std::function<double(double, double)>& density);
 
-/// Numbers at the pivots that hold the number and solids of the cells: each cell's content at its mean, shared as births are.
+/// Numbers at the pivots that hold the number and solids of the cells: each cell's content at its mean, shared as
+/// births are.
 std::vector<double> at_pivots(const ClassGrid& grid, const BirthGrid& content);
 
 }  // namespace granary::pbm::exact

@@ -23,7 +23,7 @@ struct Setting {
   bool two_solids;
   double smallest, largest;  ///< first and last edge of the cells
   double end;
-  int bins;                  ///< unless asked otherwise
+  int bins;  ///< unless asked otherwise
   std::optional<Aggregation> aggregation;
   std::optional<Breakage> breakage;
   std::function<double(double x, double y, double t)> density;
@@ -46,22 +46,71 @@ Breakage linear_breakage() {
 std::vector<Setting> settings() {
   using K = Aggregation::Kernel;
   return {
-      {"constant-1d", "aggregation, constant kernel, exponential start, t = 100", false, 1e-6, 1e5, 100.0, 73,
-       aggregation_with(K::constant), {}, [](double x, double, double t) { return exact::constant_kernel(x, t); },
-       [](double t) { return 2.0 / (2.0 + t); }, [](double t) { return 2.0 + t; }, {{37, 0.050}, {73, 0.015}, {110, 0.0073}}},
-      {"sum-1d", "aggregation, sum kernel (Golovin), exponential start, t = 3", false, 1e-6, 1e6, 3.0, 80, aggregation_with(K::sum), {},
-       [](double x, double, double t) { return exact::sum_kernel(x, t); }, [](double t) { return std::exp(-t); },
-       [](double t) { return 2.0 * std::exp(2.0 * t); }, {{40, 0.026}, {80, 0.0066}, {120, 0.0031}}},
-      {"constant-2d", "two solids, constant kernel, exponential start, t = 8", true, std::ldexp(1.0, -9), std::ldexp(1.0, 7), 8.0, 32,
+      {"constant-1d",
+       "aggregation, constant kernel, exponential start, t = 100",
+       false,
+       1e-6,
+       1e5,
+       100.0,
+       73,
        aggregation_with(K::constant),
-       {}, exact::constant_kernel_2d, [](double t) { return 2.0 / (2.0 + t); }, [](double t) { return 2.0 + t; },
+       {},
+       [](double x, double, double t) { return exact::constant_kernel(x, t); },
+       [](double t) { return 2.0 / (2.0 + t); },
+       [](double t) { return 2.0 + t; },
+       {{37, 0.050}, {73, 0.015}, {110, 0.0073}}},
+      {"sum-1d",
+       "aggregation, sum kernel (Golovin), exponential start, t = 3",
+       false,
+       1e-6,
+       1e6,
+       3.0,
+       80,
+       aggregation_with(K::sum),
+       {},
+       [](double x, double, double t) { return exact::sum_kernel(x, t); },
+       [](double t) { return std::exp(-t); },
+       [](double t) { return 2.0 * std::exp(2.0 * t); },
+       {{40, 0.026}, {80, 0.0066}, {120, 0.0031}}},
+      {"constant-2d",
+       "two solids, constant kernel, exponential start, t = 8",
+       true,
+       std::ldexp(1.0, -9),
+       std::ldexp(1.0, 7),
+       8.0,
+       32,
+       aggregation_with(K::constant),
+       {},
+       exact::constant_kernel_2d,
+       [](double t) { return 2.0 / (2.0 + t); },
+       [](double t) { return 2.0 + t; },
        {{16, 0.125}, {32, 0.035}, {64, 0.012}}},
-      {"sum-2d", "two solids, sum kernel, exponential start, t = 0.5", true, 1e-3, 1e3, 0.5, 24, aggregation_with(K::sum), {},
-       exact::sum_kernel_2d, [](double t) { return std::exp(-2.0 * t); }, [](double t) { return 0.5 + 1.5 * std::exp(4.0 * t); },
+      {"sum-2d",
+       "two solids, sum kernel, exponential start, t = 0.5",
+       true,
+       1e-3,
+       1e3,
+       0.5,
+       24,
+       aggregation_with(K::sum),
+       {},
+       exact::sum_kernel_2d,
+       [](double t) { return std::exp(-2.0 * t); },
+       [](double t) { return 0.5 + 1.5 * std::exp(4.0 * t); },
        {{16, 0.137}, {24, 0.085}, {32, 0.046}, {48, 0.023}}},
-      {"breakage", "uniform binary breakage at the rate v, exponential start, t = 4", false, 1e-2, 1e2, 4.0, 48, {}, linear_breakage(),
-       [](double x, double, double t) { return exact::linear_breakage(x, t); }, [](double t) { return 1.0 + t; },
-       [](double t) { return 2.0 / (1.0 + t); }, {{24, 0.145}, {48, 0.039}, {96, 0.0086}, {192, 0.0020}}},
+      {"breakage",
+       "uniform binary breakage at the rate v, exponential start, t = 4",
+       false,
+       1e-2,
+       1e2,
+       4.0,
+       48,
+       {},
+       linear_breakage(),
+       [](double x, double, double t) { return exact::linear_breakage(x, t); },
+       [](double t) { return 1.0 + t; },
+       [](double t) { return 2.0 / (1.0 + t); },
+       {{24, 0.145}, {48, 0.039}, {96, 0.0086}, {192, 0.0020}}},
   };
 }
 
@@ -126,7 +175,8 @@ Result<Verification> verify(const std::string& name, std::optional<int> bins, do
   const auto found = std::find_if(all.begin(), all.end(), [&](const Setting& s) { return s.name == name; });
   if (found == all.end()) {
     const std::string near = json::did_you_mean(name, verification_names());
-    return Error{fmt::format("verify: there is no case \"{}\"; there are {}.{}", name, fmt::join(verification_names(), ", "),
+    return Error{fmt::format("verify: there is no case \"{}\"; there are {}.{}", name,
+                             fmt::join(verification_names(), ", "),
                              near.empty() ? "" : " Did you mean \"" + near + "\"?")};
   }
   const Setting& s = *found;

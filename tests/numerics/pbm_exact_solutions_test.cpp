@@ -1,5 +1,5 @@
-// The solver against exact solutions: errors no larger than those of a plain cell average code on the same grid, moments, and the
-// order with which errors fall. The figures held against are in docs/pbm_equations.md.
+// The solver against exact solutions: errors no larger than those of a plain cell average code on the same grid,
+// moments, and the order with which errors fall. The figures held against are in docs/pbm_equations.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,21 +37,22 @@ TEST_P(ExactSolution, IsMetAtLeastAsWellAsByAPlainCellAverage) {
   EXPECT_LT(std::abs(v->moment_1), 1e-4);
 }
 
-// L1: the published figures for this scheme, with half a unit of their last digit. M2: the same tables where they give it
-// (1-D and constant-2d), else what is measured here plus a tenth.
-INSTANTIATE_TEST_SUITE_P(Grids, ExactSolution,
-                         ::testing::Values(Bound{"constant-1d", 37, 0.0505, 0.0015}, Bound{"constant-1d", 73, 0.0155, 0.0105},
-                                           Bound{"constant-1d", 110, 0.00735, 0.0075}, Bound{"sum-1d", 40, 0.0265, 0.225},
-                                           Bound{"sum-1d", 80, 0.00665, 0.095}, Bound{"sum-1d", 120, 0.00315, 0.025},
-                                           Bound{"constant-2d", 16, 0.1255, 0.0135}, Bound{"constant-2d", 32, 0.0355, 0.0080},
-                                           Bound{"sum-2d", 16, 0.1375, 0.103}, Bound{"sum-2d", 24, 0.0855, 0.016},
-                                           Bound{"sum-2d", 32, 0.0465, 0.016}, Bound{"breakage", 24, 0.1455, 0.0030},
-                                           Bound{"breakage", 48, 0.0395, 0.0030}, Bound{"breakage", 96, 0.0086, 0.0030}),
-                         [](const auto& test) {
-                           std::string name = std::string(test.param.name) + "_" + std::to_string(test.param.bins);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+// L1: the published figures for this scheme, with half a unit of their last digit. M2: the same tables where they give
+// it (1-D and constant-2d), else what is measured here plus a tenth.
+INSTANTIATE_TEST_SUITE_P(
+    Grids, ExactSolution,
+    ::testing::Values(Bound{"constant-1d", 37, 0.0505, 0.0015}, Bound{"constant-1d", 73, 0.0155, 0.0105},
+                      Bound{"constant-1d", 110, 0.00735, 0.0075}, Bound{"sum-1d", 40, 0.0265, 0.225},
+                      Bound{"sum-1d", 80, 0.00665, 0.095}, Bound{"sum-1d", 120, 0.00315, 0.025},
+                      Bound{"constant-2d", 16, 0.1255, 0.0135}, Bound{"constant-2d", 32, 0.0355, 0.0080},
+                      Bound{"sum-2d", 16, 0.1375, 0.103}, Bound{"sum-2d", 24, 0.0855, 0.016},
+                      Bound{"sum-2d", 32, 0.0465, 0.016}, Bound{"breakage", 24, 0.1455, 0.0030},
+                      Bound{"breakage", 48, 0.0395, 0.0030}, Bound{"breakage", 96, 0.0086, 0.0030}),
+    [](const auto& test) {
+      std::string name = std::string(test.param.name) + "_" + std::to_string(test.param.bins);
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
 
 double order(const char* name, int coarse, int fine) {
   const auto a = verify(name, coarse), b = verify(name, fine);
@@ -65,7 +66,8 @@ TEST(ExactSolutions, AreApproachedWithTheOrderOfTheCellAverage) {
 }
 
 TEST(ExactSolutions, AreKeptByTheTimeStepsWithThirdOrder) {
-  // On one grid the number's error is the time steps' alone: 100 times the tolerance costs 100^(2/3) times the error or less.
+  // On one grid the number's error is the time steps' alone: 100 times the tolerance costs 100^(2/3) times the error or
+  // less.
   const auto loose = verify("constant-1d", 40, 1e-3), tight = verify("constant-1d", 40, 1e-5);
 
   ASSERT_TRUE(loose && tight);

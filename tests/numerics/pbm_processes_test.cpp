@@ -1,4 +1,5 @@
-// Whole runs in memory: flow, consolidation, spray, conservation, positivity, threads, and the cases that break solvers.
+// Whole runs in memory: flow, consolidation, spray, conservation, positivity, threads, and the cases that break
+// solvers.
 #include <gtest/gtest.h>
 
 #include <algorithm>

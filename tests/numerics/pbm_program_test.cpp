@@ -75,15 +75,27 @@ class PbmProgram : public ::testing::Test {
   Ended wait_for(pid_t child) {
     int status = 0;
     waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(folder_ / "stdout"), text_of(folder_ / "stderr")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(folder_ / "stdout"),
+            text_of(folder_ / "stderr")};
   }
   Ended run(const fs::path& case_file, const fs::path& file, int threads = 1, int ranks = 1) {
     std::vector<std::string> command;
     if (ranks > 1)
-      command = {"mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "--mca", "pml", "ob1", "--mca", "btl", "self,vader",
-                 "-np", std::to_string(ranks)};
-    for (const std::string& word : {kProgram, std::string("run"), case_file.string(), std::string("--out"), file.string(), std::string("--threads"),
-                                    std::to_string(threads)})
+      command = {"mpirun",
+                 "--allow-run-as-root",
+                 "--oversubscribe",
+                 "--bind-to",
+                 "none",
+                 "--mca",
+                 "pml",
+                 "ob1",
+                 "--mca",
+                 "btl",
+                 "self,vader",
+                 "-np",
+                 std::to_string(ranks)};
+    for (const std::string& word : {kProgram, std::string("run"), case_file.string(), std::string("--out"),
+                                    file.string(), std::string("--threads"), std::to_string(threads)})
       command.push_back(word);
     return wait_for(start(command));
   }
@@ -102,7 +114,8 @@ void expect_same_states(const fs::path& whole, const fs::path& part, std::size_t
     for (std::size_t row_a = 0; row_a < times_a->values.size(); ++row_a) {
       if (times_a->values[row_a] != times_b->values[row_b]) continue;
       ++compared;
-      for (const char* name : {"/state/number", "/state/liquid", "/state/gas", "/state/ledger", "/state/next_step", "/state/last_error"}) {
+      for (const char* name :
+           {"/state/number", "/state/liquid", "/state/gas", "/state/ledger", "/state/next_step", "/state/last_error"}) {
         const auto x = a->read_row(name, row_a), y = b->read_row(name, row_b);
         ASSERT_TRUE(x && y);
         EXPECT_TRUE(*x == *y) << name << " differs at " << times_b->values[row_b] << " s";
@@ -143,8 +156,12 @@ TEST_F(PbmProgram, StopsOnASignalAndGoesOnFromItsCheckpointWithTheSameBits) {
   for (const int signal : {SIGTERM, SIGUSR1}) {
     const fs::path stopped = out("stopped"), progress = stopped.parent_path() / "progress.jsonl";
     fs::remove(progress);
-    const pid_t child = start({kProgram, "run", (folder_ / "whole.json").string(), "--out", stopped.string(), "--json"});
-    const auto lines = [&] { const std::string text = text_of(progress); return std::count(text.begin(), text.end(), '\n'); };
+    const pid_t child =
+        start({kProgram, "run", (folder_ / "whole.json").string(), "--out", stopped.string(), "--json"});
+    const auto lines = [&] {
+      const std::string text = text_of(progress);
+      return std::count(text.begin(), text.end(), '\n');
+    };
     for (int wait = 0; wait < 4000 && lines() < 12; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     kill(child, signal);
     const Ended ended = wait_for(child);
@@ -204,7 +221,8 @@ TEST_F(PbmProgram, WritesALineAndARowForEveryOutput) {
   const json::Value& last = lines->back();
   EXPECT_EQ(last["time_s"].as_number(), 2.0);
   EXPECT_EQ(last["d50_m"].size(), 3u);
-  for (const char* quantity : {"solid_1", "solid_2", "liquid", "gas"}) EXPECT_LT(last["drift"][quantity].as_number(), 1e-12);
+  for (const char* quantity : {"solid_1", "solid_2", "liquid", "gas"})
+    EXPECT_LT(last["drift"][quantity].as_number(), 1e-12);
   const auto h5 = Hdf5File::open(out("run"));
   ASSERT_TRUE(h5);
   EXPECT_EQ(*h5->text_attribute("/", "format"), "granary-pbm-out-1");
@@ -298,7 +316,8 @@ TEST_F(PbmProgram, SaysThatTheDiskIsFullAndKeepsTheStatesBefore) {
   c.end_time = 10.0;
   const fs::path file = out("run");
 
-  const Ended ended = wait_for(start({kProgram, "run", write_case("case.json", c).string(), "--out", file.string()}, 900 * 1024));
+  const Ended ended =
+      wait_for(start({kProgram, "run", write_case("case.json", c).string(), "--out", file.string()}, 900 * 1024));
 
   EXPECT_EQ(ended.exit, 3);
   EXPECT_THAT(ended.err, HasSubstr("the disk is full"));

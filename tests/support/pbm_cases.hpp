@@ -17,7 +17,8 @@ inline PbmCase a_case(int bins = 8) {
   return c;
 }
 
-/// The campaign's kind of case: DEM kernel, Stokes efficiency, impact breakage, consolidation, feed, spray and flow through a row.
+/// The campaign's kind of case: DEM kernel, Stokes efficiency, impact breakage, consolidation, feed, spray and flow
+/// through a row.
 inline PbmCase a_granulator(int bins = 16, int n_compartments = 4) {
   PbmCase c;
   c.name = "granulator";

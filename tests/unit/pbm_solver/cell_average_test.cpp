@@ -76,7 +76,8 @@ TEST(CellAverage, KeepsNumberBothSolidsLiquidAndGas) {
           return low + one(random) * (axis.lower_edge(cell + 1) - low);
         };
         const double number = std::pow(10.0, 6 * one(random));
-        const Birth birth{number, number * inside(grid.axis(0), i), number * inside(grid.axis(1), j), one(random), one(random)};
+        const Birth birth{number, number * inside(grid.axis(0), i), number * inside(grid.axis(1), j), one(random),
+                          one(random)};
         births.at(i, j) += birth;
         all += birth;
       }

@@ -36,7 +36,8 @@ struct Rates {
   std::vector<double> number, liquid, gas, flows;
 };
 
-Rates rates_of(const ModelTables& tables, Fields state, Inputs inputs = {}, int index = 0, std::span<const double> participation = {}) {
+Rates rates_of(const ModelTables& tables, Fields state, Inputs inputs = {}, int index = 0,
+               std::span<const double> participation = {}) {
   Compartment compartment(tables, index);
   const std::size_t n = tables.grid.size();
   Rates r{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<double>(ledger::kSize)};
@@ -86,7 +87,8 @@ RC_GTEST_PROP(Compartment, ClosesEveryBalanceForEveryKernel, (unsigned seed)) {
 }
 
 TEST(Aggregation, TakesOneParticleAPairFromTheNumber) {
-  // d(number)/dt + oversize = -1/2 sum over ordered pairs of beta F F', plus what oversize takes: two particles become one.
+  // d(number)/dt + oversize = -1/2 sum over ordered pairs of beta F F', plus what oversize takes: two particles become
+  // one.
   PbmCase c = testing::a_case(6);
   c.aggregation = Aggregation{};
   c.aggregation->rate = 0.5;

@@ -75,7 +75,8 @@ TEST(Daughters, AreUniformOverTheCells) {
   const auto width = [](const SolidAxis& axis, int i) { return axis.lower_edge(i + 1) - axis.lower_edge(i); };
   for (int i = 1; i < 10; ++i)
     for (int j = 1; j < 9; ++j) {
-      const double expected = 3.0 * 2.0 * width(grid.axis(0), i) * width(grid.axis(1), j) / (grid.axis(0).pivot(11) * grid.axis(1).pivot(10));
+      const double expected = 3.0 * 2.0 * width(grid.axis(0), i) * width(grid.axis(1), j) /
+                              (grid.axis(0).pivot(11) * grid.axis(1).pivot(10));
       EXPECT_NEAR(births.at(i, j).number, expected, 1e-12 * expected);
     }
 }

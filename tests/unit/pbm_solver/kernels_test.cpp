@@ -1,4 +1,5 @@
-// Aggregation kernels, collision efficiency, selection function, consolidation: formulas against independent evaluations.
+// Aggregation kernels, collision efficiency, selection function, consolidation: formulas against independent
+// evaluations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +28,8 @@ double log_normal_density(const SpeedDistribution& s, double speed) {
 }
 
 /// psi of two particles through the vectorised row.
-double sticking_share(const StokesCriterion& c, double d_p, double m_p, double h_p, double d_q, double m_q, double h_q) {
+double sticking_share(const StokesCriterion& c, double d_p, double m_p, double h_p, double d_q, double m_q,
+                      double h_q) {
   const double inverse_d[] = {1 / d_q, 1 / d_p}, inverse_m[] = {1 / m_q, 1 / m_p}, film[] = {h_q, h_p};
   double beta[] = {1.0, 1.0};
   multiply_by_sticking_share(c, {inverse_d, inverse_m, film}, 1, 2, beta);
@@ -52,12 +54,14 @@ TEST(CollisionEfficiency, IsTheShareOfSpeedsBelowTheCriticalOne) {
 }
 
 TEST(CollisionEfficiency, HasTheCriticalSpeedOfThePublishedExample) {
-  // mu 0.05 Pa s, e 0.2, h/h_a 10, density 476: 33, 6.5 and 3.3 m/s for 0.1, 0.5 and 1 mm. psi = 1/2 where ln U_crit is the mean.
+  // mu 0.05 Pa s, e 0.2, h/h_a 10, density 476: 33, 6.5 and 3.3 m/s for 0.1, 0.5 and 1 mm. psi = 1/2 where ln U_crit is
+  // the mean.
   for (const auto& [diameter, speed] : {std::pair{1e-4, 33.0}, {5e-4, 6.5}, {1e-3, 3.3}}) {
     Efficiency e;
     const double m = 476 * kPi / 6 * diameter * diameter * diameter, film = 10 * e.asperity;
     const auto share_at = [&](double mean_speed) {
-      return sticking_share(stokes_criterion(e, Materials{}, {std::log(mean_speed), 0.1}), diameter, m, film, diameter, m, film);
+      return sticking_share(stokes_criterion(e, Materials{}, {std::log(mean_speed), 0.1}), diameter, m, film, diameter,
+                            m, film);
     };
     EXPECT_GT(share_at(0.96 * speed), 0.5);
     EXPECT_LT(share_at(1.04 * speed), 0.5);
@@ -77,7 +81,8 @@ TEST(CollisionEfficiency, GivesTheSameForEveryLengthOfTheRow) {
   std::vector<double> d(37), m(37), film(37);
   for (std::size_t q = 0; q < d.size(); ++q) {
     const double diameter = 1e-4 * std::pow(1.1, q);
-    d[q] = 1 / diameter, m[q] = 1 / (500 * diameter * diameter * diameter), film[q] = 6e-6 + 1e-6 * static_cast<double>(q);
+    d[q] = 1 / diameter, m[q] = 1 / (500 * diameter * diameter * diameter),
+    film[q] = 6e-6 + 1e-6 * static_cast<double>(q);
   }
   std::vector<double> whole(37, 2.0);
   multiply_by_sticking_share(c, {d.data(), m.data(), film.data()}, 5, 37, whole.data());
@@ -92,7 +97,8 @@ TEST(CollisionEfficiency, GivesTheSameForEveryLengthOfTheRow) {
 TEST(SelectionFunction, IsTheShareOfImpactsAboveTheBreakageSpeed) {
   const SpeedDistribution speeds{0.5, 0.8};
   for (const double speed : {0.1, 1.0, 2.1, 20.0})
-    EXPECT_NEAR(share_faster(speeds, speed), integral([&](double u) { return log_normal_density(speeds, u); }, speed, 400.0, 200000), 2e-6);
+    EXPECT_NEAR(share_faster(speeds, speed),
+                integral([&](double u) { return log_normal_density(speeds, u); }, speed, 400.0, 200000), 2e-6);
 }
 
 TEST(SelectionFunction, HasTheBreakageSpeedOfTheDerivedFormula) {
@@ -111,7 +117,8 @@ TEST(DemKernel, GivesTheTableBackAtItsClassCentres) {
   const PbmCase c = testing::a_granulator();
   DemRates dem = *c.dem;
   for (std::size_t p = 0; p < dem.diameter.size(); ++p)
-    for (std::size_t q = 0; q < dem.diameter.size(); ++q) dem.collision_rate[p][q] *= 1.0 + 0.1 * static_cast<double>(p * q % 7);
+    for (std::size_t q = 0; q < dem.diameter.size(); ++q)
+      dem.collision_rate[p][q] *= 1.0 + 0.1 * static_cast<double>(p * q % 7);
   const DemKernel kernel(dem);
 
   for (std::size_t p = 0; p < dem.diameter.size(); ++p)
@@ -128,7 +135,7 @@ TEST(DemKernel, IsSymmetricAndFollowsTheOrthokineticLawBeyondItsClasses) {
   const DemKernel kernel(dem);
 
   EXPECT_DOUBLE_EQ(kernel(1.3e-4, 1.9e-4), kernel(1.9e-4, 1.3e-4));
-  EXPECT_NEAR(kernel(1e-5, 1e-5) / 1e-12, 1e-3, 1e-12);    // ten times smaller: a thousandth
+  EXPECT_NEAR(kernel(1e-5, 1e-5) / 1e-12, 1e-3, 1e-12);  // ten times smaller: a thousandth
   EXPECT_NEAR(kernel(4e-4, 4e-4) / 5e-12, 8.0, 1e-11);
 }
 

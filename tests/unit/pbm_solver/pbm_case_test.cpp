@@ -93,8 +93,9 @@ TEST(PbmCase, ReportsEveryProblemAtOnceWithItsPlace) {
     "initial": [{"compartment": 5, "i": 0, "j": -1, "number": 3}],
     "end_time": -1})");
 
-  for (const char* place : {"/grid/ratio/1", "/compartments/volume", "/feed/classes/0/i", "/feed/classes/1/rate", "/spray/compartment",
-                            "/aggregation/kernel", "/breakage/selection", "/initial/0/compartment", "/initial/0/j", "/end_time"})
+  for (const char* place :
+       {"/grid/ratio/1", "/compartments/volume", "/feed/classes/0/i", "/feed/classes/1/rate", "/spray/compartment",
+        "/aggregation/kernel", "/breakage/selection", "/initial/0/compartment", "/initial/0/j", "/end_time"})
     EXPECT_THAT(message, HasSubstr(std::string("case.json: ") + place + " ")) << message;
 }
 
