@@ -65,7 +65,8 @@ void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   base.tally.every = static_cast<int>(reader.integer_or("tally_every", base.tally.every, Range::between(1, 10000)));
   dem.longest_burst = reader.quantity_or("longest_burst", dem.longest_burst, "s", Range::positive());
   base.duration = dem.longest_burst;
-  if (reader.boolean_or("feed", true)) base.feed_rate = campaign.feed_rate;
+  base.machine.mixer.outlet_open = reader.boolean_or("through_flow", true);
+  if (base.machine.mixer.outlet_open) base.feed_rate = campaign.feed_rate;
   read_guard(section_or_empty(reader, "guard", problems), base.guard);
   read_seed(reader, base.seed);
   base.ranks = static_cast<int>(reader.integer_or("ranks", base.ranks, Range::between(1, 100000)));

@@ -33,6 +33,7 @@ HorizontalMixer read_mixer(Reader in) {
   m.feed_elements = static_cast<int>(in.integer_or("feed_elements", m.feed_elements, Range::between(0, 1000)));
   m.shear_elements = static_cast<int>(in.integer_or("shear_elements", m.shear_elements, Range::between(0, 1000)));
   m.exit_elements = static_cast<int>(in.integer_or("exit_elements", m.exit_elements, Range::between(0, 1000)));
+  m.outlet_open = in.boolean_or("outlet_open", m.outlet_open);
   if (m.shaft_length > 0.95 * m.length)
     in.problem("shaft_length", "the outlet lies behind the shaft's end: at most 95 % of length");
   if (m.impeller_diameter >= std::min(m.inlet_diameter, m.outlet_diameter))
@@ -53,7 +54,8 @@ Value mixer_json(const HorizontalMixer& m) {
                         {"impeller_diameter", m.impeller_diameter},
                         {"feed_elements", m.feed_elements},
                         {"shear_elements", m.shear_elements},
-                        {"exit_elements", m.exit_elements}});
+                        {"exit_elements", m.exit_elements},
+                        {"outlet_open", m.outlet_open}});
 }
 
 BatchBowl read_bowl(Reader in) {

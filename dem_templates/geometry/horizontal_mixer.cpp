@@ -106,7 +106,9 @@ Mesh mixer_shell(const HorizontalMixer& m, int refinement) {
   }
   form.inner.push_back({m.length, 0.0});
   form.outer.push_back({m.length + kWall, 0.0});
-  form.open = [sides](int along, int around) { return along == kOutletCell && is_bottom(around, sides); };
+  form.open = [sides, open = m.outlet_open](int along, int around) {
+    return open && along == kOutletCell && is_bottom(around, sides);
+  };
   form.raised = [sides](int along, int around) { return along == kChuteCell && is_top(around, sides); };
   form.lift_inner = [top = ports.chute_top](Vec3 p) { return Vec3{p.x, top, p.z}; };
   form.lift_outer = [top = ports.chute_top + kWall](Vec3 p) { return Vec3{p.x, top, p.z}; };

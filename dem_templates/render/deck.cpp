@@ -203,8 +203,10 @@ Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all)
       {"run", run}};
   if (c.machine.type == Machine::Type::batch_bowl)
     return render(templates::in_batch_bowl, "in.batch_bowl.tmpl", values);
-  GRANARY_TRY(const std::string outlet, outlet_commands(c.machine.mixer));
-  std::string feed;
+  std::string outlet, feed;
+  if (c.machine.mixer.outlet_open) {
+    GRANARY_TRY(outlet, outlet_commands(c.machine.mixer));
+  }
   if (c.feed_rate > 0.0) {
     GRANARY_TRY(feed, feed_commands(c));
   }

@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kFarthestMove = 0.25;  // of its radius, per sweep
 constexpr double kSkin = 0.3;           // of the mean radius: how far neighbours are looked for beyond touching
+constexpr int kPatience = 400;  // sweeps without a gain: what is left is trapped
+constexpr double kGain = 0.95;
 constexpr int kSweepsBetweenChecks = 5;
 
 double cube(double x) { return x * x * x; }
@@ -162,10 +164,14 @@ Relaxation relax(std::vector<Sphere>& spheres, const FreeSpace& space, int axis,
   if (spheres.empty()) return {};
   Relaxer relaxer(spheres, space, axis);
   Relaxation done{0, relaxer.worst_overlap()};
-  while (done.overlap > tolerance && done.sweeps < most_sweeps) {
+  double last_gain = done.overlap;
+  int since_gain = 0;
+  while (done.overlap > tolerance && done.sweeps < most_sweeps && since_gain < kPatience) {
     for (int s = 0; s < kSweepsBetweenChecks; ++s) relaxer.sweep();
     done.sweeps += kSweepsBetweenChecks;
+    since_gain += kSweepsBetweenChecks;
     done.overlap = relaxer.worst_overlap();
+    if (done.overlap < kGain * last_gain) last_gain = done.overlap, since_gain = 0;
   }
   return done;
 }

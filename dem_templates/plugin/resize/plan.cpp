@@ -13,6 +13,7 @@ namespace granary::dem {
 namespace {
 
 constexpr int kTries = 200;           // random places looked at for one particle
+constexpr std::uint64_t kRounds = 5;  // in which trapped particles get another place
 constexpr double kShortOfEnd = 1e-6;  // a centre on an edge would be the next compartment's
 
 double volume_of(double diameter) { return std::numbers::pi / 6.0 * diameter * diameter * diameter; }
@@ -94,6 +95,27 @@ struct Places {
     return std::isfinite(least);
   }
 };
+
+// Spheres that pushing cannot free (grown between a blade's tip and the casing, say) get another place in their compartment: all that
+// overlap by more than `bound`. False if there is no place for one.
+bool move_trapped(Places& places, double largest, double bound, std::uint64_t seed) {
+  Places fresh{places.space, places.axis, SphereGrid(places.space.low(), places.space.high(), largest), places.spheres};
+  std::vector<std::size_t> trapped;
+  for (std::size_t k = 0; k < fresh.spheres.size(); ++k) {
+    const Sphere& sphere = fresh.spheres[k];
+    if (fresh.overlap_at(sphere.centre, sphere.radius) > bound) {
+      trapped.push_back(k);
+    } else {
+      fresh.grid.add(static_cast<int>(k), sphere.centre);
+    }
+  }
+  for (const std::size_t k : trapped) {
+    if (!fresh.find(fresh.spheres[k], seed, k)) return false;
+    fresh.grid.add(static_cast<int>(k), fresh.spheres[k].centre);
+  }
+  places.spheres = std::move(fresh.spheres);
+  return true;
+}
 
 Error does_not_fit(const Population& population, std::size_t c, const std::string& why) {
   const auto& compartment = population.compartments[c];
@@ -192,10 +214,17 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
   }
   plan.overlap_resized = largest_overlap(places.spheres, space);
 
-  const Relaxation relaxed = relax(places.spheres, space, options.axis, options.overlap, options.sweeps);
+  Relaxation relaxed = relax(places.spheres, space, options.axis, options.overlap, options.sweeps);
+  const double bound = kHopeless * options.overlap;
+  for (std::uint64_t round = 1; relaxed.overlap > bound && round <= kRounds; ++round) {
+    if (!move_trapped(places, largest, bound, options.seed + round)) break;
+    const int sweeps = relaxed.sweeps;
+    relaxed = relax(places.spheres, space, options.axis, options.overlap, options.sweeps);
+    relaxed.sweeps += sweeps;
+  }
   plan.overlap = relaxed.overlap;
   plan.sweeps = relaxed.sweeps;
-  if (relaxed.overlap > kHopeless * options.overlap)
+  if (relaxed.overlap > bound)
     return does_not_fit(
         population, worst_compartment(population, places.spheres, space, axis),
         fmt::format("overlaps of {:.3g} of the radius are left after {} sweeps", relaxed.overlap, relaxed.sweeps));

@@ -140,7 +140,7 @@ TEST(Workflows, WhatIsLeftOutIsNotModelled) {
 
 TEST(Workflows, FeedInTheDemCanBeSwitchedOff) {
   EXPECT_NEAR(read("quick.json").dem_case.feed_rate, 15.0 / 3600.0, 1e-12);
-  EXPECT_EQ(read("quick.json", {"/dem/feed=false"}).dem_case.feed_rate, 0.0);
+  EXPECT_EQ(read("quick.json", {"/dem/through_flow=false"}).dem_case.feed_rate, 0.0);
 }
 
 TEST(Workflows, TasksKeepTheirOrderAndDependencies) {

@@ -173,6 +173,30 @@ INSTANTIATE_TEST_SUITE_P(BetweenBursts, ResizeChanges,
                                          Change{"same", 1.0, 200}, Change{"fuller", 1.25, 200}),
                          [](const auto& test) { return test.param.name; });
 
+// The box with a plate across it, 2 mm above its floor: a slot that a small particle may lie in.
+class SlotSpace : public BoxSpace {
+ public:
+  using BoxSpace::BoxSpace;
+  void walls_near(const Vector3& p, double reach, std::vector<NearWall>& found) const override {
+    BoxSpace::walls_near(p, reach, found);
+    if (p[0] > 0.04) return;
+    const double above = p[1] - 0.002;
+    if (std::abs(above) < reach) found.push_back({std::abs(above), {0.0, above > 0.0 ? 1.0 : -1.0, 0.0}});
+  }
+};
+
+TEST(ResizePlan, FreesAParticleThatGrewInANarrowGap) {
+  const SlotSpace slot({0.1, 0.04, 0.04});
+  const std::vector<Particle> in_slot{{1, {0.01, 0.001, 0.02}, 0.0018}};
+
+  const auto plan = plan_resize(in_slot, two_compartments({0.006}, {}), slot, {});
+
+  ASSERT_TRUE(plan) << plan.error().message;
+  ASSERT_EQ(1u, plan->kept.size());
+  EXPECT_LE(plan->overlap, ResizeOptions{}.overlap);
+  EXPECT_LE(overlap_of(all_of(*plan), slot), ResizeOptions{}.overlap);
+}
+
 TEST(ResizePlan, RefusesWhatCannotFit) {
   const Population population = two_compartments(std::vector<double>(20, 0.004), std::vector<double>(3000, 0.004));
   const auto plan = plan_resize({}, population, kBox, {.sweeps = 200});
