@@ -128,10 +128,9 @@ class Update {
     s_.process_clock = s_.bursts.back().end_time;
     s_.rounds.push_back({s_.dem.value_or(DemSummary{}), event.summary});
     s_.dem.reset();
-    const Why why = after_round();
-    if (why.reason == "steady") return end(End::How::steady, why);
-    if (why.reason == "limit") return end(End::How::limit, why);
-    start({s_.burst.round + 1, Kind::dem}, why);
+    auto [how, why] = after_round();
+    if (how) return end(*how, std::move(why));
+    start({s_.burst.round + 1, Kind::dem}, std::move(why));
   }
 
   void operator()(const ExchangeFailed& event) {
@@ -275,8 +274,8 @@ class Update {
                                 {"process_clock_s", s_.process_clock}});
   }
 
-  /// What a finished round means: "steady", "limit", or go on (the reason the PBM burst ended).
-  Why after_round() const {
+  /// How the campaign ends with the round that is over; nothing: it goes on, and Why names the reason the PBM burst ended.
+  std::pair<std::optional<End::How>, Why> after_round() const {
     json::Value numbers = steadiness();
     const int round = s_.burst.round;
     const BurstRecord& last = s_.bursts.back();
@@ -294,22 +293,25 @@ class Update {
     const bool long_enough = s_.steady_time >= settings_.steady_window - kInstant;
     numbers.set("dem_steady", long_enough).set("rounds_agree", settled);
 
+    const auto ends = [&](End::How how, std::string message) {
+      return std::pair{std::optional(how), Why{std::string(name(how)), std::move(message), std::move(numbers)}};
+    };
     if (two_way() && settled && long_enough && last.reason != "drifted" && round >= settings_.least_rounds)
-      return {"steady",
-              fmt::format("steady: nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} "
-                          "agree within {:.3g} %",
-                          100.0 * settings_.threshold, s_.steady_time, round - 1, round,
-                          100.0 * settings_.steady_tolerance),
-              numbers};
+      return ends(End::How::steady,
+                  fmt::format("nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} agree "
+                              "within {:.3g} %",
+                              100.0 * settings_.threshold, s_.steady_time, round - 1, round,
+                              100.0 * settings_.steady_tolerance));
     if (s_.process_clock >= settings_.process_end() - kInstant)
-      return {"limit", fmt::format("the process reached its end at {:.6g} s", s_.process_clock), numbers};
-    if (!two_way()) return {"limit", fmt::format("the process ended at {:.6g} s", s_.process_clock), numbers};
+      return ends(End::How::limit, fmt::format("the process reached its end at {:.6g} s", s_.process_clock));
+    if (!two_way()) return ends(End::How::limit, fmt::format("the process ended at {:.6g} s", s_.process_clock));
     if (round >= settings_.most_rounds)
-      return {"limit", fmt::format("{} rounds were allowed, and not steady yet", settings_.most_rounds), numbers};
-    return {last.reason,
-            fmt::format("round {} is over and not steady yet: the DEM goes on with the sizes of {}", round,
-                        s_.burst.folder()),
-            numbers};
+      return ends(End::How::limit, fmt::format("{} rounds were allowed, and not steady yet", settings_.most_rounds));
+    return {std::nullopt,
+            {last.reason,
+             fmt::format("round {} is over and not steady yet: the DEM goes on with the sizes of {}", round,
+                         s_.burst.folder()),
+             std::move(numbers)}};
   }
 
   State s_;

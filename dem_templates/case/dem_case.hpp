@@ -76,7 +76,7 @@ struct Tally {
 
 /// Bounds beyond which a burst has diverged.
 struct Guard {
-  double largest_overlap = 0.5;  ///< of the smaller particle's radius
+  double largest_overlap = 0.9;  ///< of the smaller particle's radius
   double energy_factor = 20.0;   ///< kinetic energy over that of all particles at tip speed
   double lost_fraction = 0.02;   ///< particles gone that did not leave through the outlet
 };

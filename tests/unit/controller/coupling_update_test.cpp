@@ -220,6 +220,15 @@ TEST(Coupling, IsNotSteadyAfterAPbmBurstThatDrifted) {
   EXPECT_EQ(dem(3), campaign.only<StartBurst>().burst);
 }
 
+TEST(Coupling, GoesOnAfterASteadyPbmBurstAsLongAsTheRoundsDisagree) {
+  Campaign campaign(settings());
+  campaign.tell(Began{}).round(1).ends_alone(dem(2), 6.0).tell(DemExchanged{dem(2), 1, a_dem(3.0, 6.0)});
+
+  campaign.ends_by(pbm(2), Outcome::steady, 18.0, 19.0).tell(PbmExchanged{pbm(2), 1, a_pbm(18.0, 1.2e-4)});
+
+  EXPECT_EQ(dem(3), campaign.only<StartBurst>().burst);
+}
+
 TEST(Coupling, StartsToCountSteadyTimeAnewWhenTheDemMoves) {
   Campaign campaign(settings());
   campaign.tell(Began{}).round(1, 50.0).round(2, 60.0);
