@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "common/assert.hpp"
@@ -12,32 +13,43 @@ namespace granary {
 double sphere_diameter(double volume) { return std::cbrt(6.0 * volume / kPi); }
 double sphere_volume(double diameter) { return kPi / 6.0 * diameter * diameter * diameter; }
 
-double quantile(std::span<const double> diameter, std::span<const double> weight, double q) {
-  GRANARY_ASSERT(diameter.size() == weight.size());
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < diameter.size(); ++i)
-    if (weight[i] > 0.0 && diameter[i] > 0.0) order.push_back(i);
-  if (order.empty()) return 0.0;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return diameter[a] < diameter[b]; });
+double log_width_of_pivots(std::span<const double> axis_1, std::span<const double> axis_2) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double least = kNone;
+  for (const auto& axis : {axis_1, axis_2})
+    for (std::size_t i = 1; i < axis.size(); ++i)
+      if (axis[i - 1] > 0.0) least = std::min(least, axis[i] / axis[i - 1]);
+  return std::log(least == kNone ? 2.0 : least) / 3.0;
+}
 
-  // Cumulative weight up to the middle of each class is reached at its diameter; linear in log d between.
+double quantile(std::span<const double> diameter, std::span<const double> weight, double q, double log_width) {
+  GRANARY_ASSERT(diameter.size() == weight.size() && log_width > 0.0);
+  // The density of the weight over ln d is a staircase: up where a class begins, down where it ends.
+  struct Edge {
+    double at, step;
+  };
+  std::vector<Edge> edges;
   double total = 0.0;
-  for (const std::size_t i : order) total += weight[i];
-  const double target = std::clamp(q, 0.0, 1.0) * total;
-  double below = 0.0;
-  double last_mid = 0.0, last_log = std::log(diameter[order.front()]);
-  for (const std::size_t i : order) {
-    const double mid = below + 0.5 * weight[i];
-    const double log_d = std::log(diameter[i]);
-    if (target <= mid) {
-      if (mid <= last_mid || below == 0.0) return diameter[i];
-      return std::exp(last_log + (log_d - last_log) * (target - last_mid) / (mid - last_mid));
-    }
-    below += weight[i];
-    last_mid = mid;
-    last_log = log_d;
+  for (std::size_t i = 0; i < diameter.size(); ++i) {
+    if (!(weight[i] > 0.0) || !(diameter[i] > 0.0)) continue;
+    const double middle = std::log(diameter[i]), density = weight[i] / log_width;
+    edges.push_back({middle - 0.5 * log_width, density});
+    edges.push_back({middle + 0.5 * log_width, -density});
+    total += weight[i];
   }
-  return diameter[order.back()];
+  if (edges.empty()) return 0.0;
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.at < b.at; });
+
+  const double target = std::clamp(q, 0.0, 1.0) * total;
+  double below = 0.0, density = 0.0, at = edges.front().at;
+  for (const Edge& edge : edges) {
+    const double here = density * (edge.at - at);
+    if (below + here >= target && here > 0.0) return std::exp(at + (target - below) / density);
+    below += here;
+    density += edge.step;
+    at = edge.at;
+  }
+  return std::exp(edges.back().at);
 }
 
 }  // namespace granary

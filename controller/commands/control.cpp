@@ -86,7 +86,8 @@ Result<Exit> status(const fs::path& dir, bool json) {
   if (coupling.is_object())
     fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""), coupling.text_or("burst", ""),
                coupling.number_or("process_clock_s", 0.0), coupling.number_or("dem_clock_s", 0.0));
-  if (!alive && coupling.text_or("ended", "").empty()) fmt::print("  go on with: granary resume {}\n", dir.string());
+  const std::string ended = coupling.text_or("ended", "");
+  if (!alive && (ended.empty() || ended == "stopped")) fmt::print("  go on with: granary resume {}\n", dir.string());
   return Exit::ok;
 }
 

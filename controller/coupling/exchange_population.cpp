@@ -437,7 +437,7 @@ PbmSummary summarize(const HoldUp& hold_up) {
                          hold_up.gas[x][i][j]);
         diameter.push_back(sphere_diameter(volume.back() / here));
       }
-    summary.d50.push_back(quantile(diameter, volume, 0.5));
+    summary.d50.push_back(quantile(diameter, volume, 0.5, log_width_of_pivots(hold_up.solid_1, hold_up.solid_2)));
     summary.number.push_back(number);
   }
   return summary;

@@ -235,7 +235,7 @@ void state_into(BurstSummary& burst, const coupling::HoldUp& state) {
         diameter.push_back(of.diameter);
         volume.push_back(of.volume);
       }
-  burst.d50 = quantile(diameter, volume, 0.5);
+  burst.d50 = quantile(diameter, volume, 0.5, log_width_of_pivots(state.solid_1, state.solid_2));
 }
 
 BurstSummary summary_of(const BurstRecord& record, const std::vector<pilot::TaskEnd>& ends) {

@@ -25,6 +25,7 @@ class SolidAxis {
   SolidAxis(int bins, double smallest, double ratio);
 
   int size() const { return static_cast<int>(pivot_.size()); }
+  std::span<const double> pivots() const { return pivot_; }
   double pivot(int i) const { return pivot_[static_cast<std::size_t>(i)]; }
   bool absent() const { return pivot_.front() == 0.0; }
   /// Cell that holds the volume v >= 0; size() if it lies above the last pivot. A v within round-off of an edge counts

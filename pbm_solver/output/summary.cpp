@@ -16,7 +16,8 @@ Quantiles quantiles_of(const ClassGrid& grid, Fields f) {
     volume.push_back(grid.solid()[k] * f.number[k] + f.liquid[k] + f.gas[k]);
     diameter.push_back(sphere_diameter(volume.back() / f.number[k]));
   }
-  return {quantile(diameter, volume, 0.1), quantile(diameter, volume, 0.5), quantile(diameter, volume, 0.9)};
+  const double width = log_width_of_pivots(grid.axis(0).pivots(), grid.axis(1).pivots());
+  return {quantile(diameter, volume, 0.1, width), quantile(diameter, volume, 0.5, width), quantile(diameter, volume, 0.9, width)};
 }
 
 void add_outlet(const PbmCase& c, const ClassGrid& grid, Fields last, Summary& s) {

@@ -29,7 +29,7 @@ TEST(Overrides, TakeTheValueAsJsonElseAsText) {
   EXPECT_EQ(after("{}", {"/pbm/bins=[16, 24]"}), R"({"pbm":{"bins":[16,24]}})");
   EXPECT_EQ(after("{}", {"/machine/impeller_speed=1500 rpm"}), R"({"machine":{"impeller_speed":"1500 rpm"}})");
   EXPECT_EQ(after("{}", {"/machine/impeller_speed=\"1500 rpm\""}), R"({"machine":{"impeller_speed":"1500 rpm"}})");
-  EXPECT_EQ(after("{}", {"/dem/feed=false"}), R"({"dem":{"feed":false}})");
+  EXPECT_EQ(after("{}", {"/dem/through_flow=false"}), R"({"dem":{"through_flow":false}})");
   EXPECT_EQ(after("{}", {"/description=a=b"}), R"({"description":"a=b"})");
 }
 
