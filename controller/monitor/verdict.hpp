@@ -27,7 +27,7 @@ int exit_code(Outcome outcome);  ///< 10 drifted, 11 steady, 12 converged, 20 di
 /// A verdict with the numbers that led to it. `watched`/`where` name the property that decided: it moved most.
 struct Verdict {
   Outcome outcome = Outcome::none;
-  std::string watched;       ///< "d50_m", "collisions_per_s", ...; "" if no single property decided
+  std::string watched;       ///< "d50_m", "collisions_per_particle_s", ...; "" if no single property decided
   std::string where;         ///< "compartment 2", "class 3", "all"
   double reference = 0.0;    ///< the property's value at the start (drifted), its mean (steady, converged)
   double value = 0.0;        ///< the property's value now

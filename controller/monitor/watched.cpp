@@ -13,15 +13,17 @@ namespace granary::monitor {
 namespace {
 
 std::vector<Property> dem_properties(std::size_t n_classes) {
-  std::vector<Property> properties{{"collisions_per_s", "all", true}, {"impacts_per_s", "all", true}};
+  std::vector<Property> properties{{"collisions_per_particle_s", "all", true},
+                                   {"impacts_per_particle_s", "all", true}};
   for (std::size_t p = 0; p < n_classes; ++p)
     properties.push_back({"speed_mean_m_s", fmt::format("class {}", p + 1), false});
   return properties;
 }
 
-Sample count_sample(double count, const TallyWindow& window, int average) {
-  return {count / window.window, std::sqrt(std::max(count, 1.0)) / window.window,
-          kLeastCounts / (average * window.window)};
+/// Per particle: a bed that lost some of its particles through the outlet has not changed the way it is stirred.
+Sample count_sample(double count, const TallyWindow& window, double particles, int average) {
+  const double exposure = std::max(particles, 1.0) * window.window;
+  return {count / exposure, std::sqrt(std::max(count, 1.0)) / exposure, kLeastCounts / (average * exposure)};
 }
 
 Sample speed_sample(const TallyWindow& window, std::size_t p, double particles) {
@@ -33,8 +35,9 @@ Sample speed_sample(const TallyWindow& window, std::size_t p, double particles) 
 Row dem_row(const TallyWindow& window, int average) {
   const std::vector<double> particles = window.particles_by_class();
   Row row{window.time - window.window, window.time, {}};
-  row.samples.push_back(count_sample(window.total_collisions(), window, average));
-  row.samples.push_back(count_sample(window.total_impacts(), window, average));
+  const double all = std::accumulate(particles.begin(), particles.end(), 0.0);
+  row.samples.push_back(count_sample(window.total_collisions(), window, all, average));
+  row.samples.push_back(count_sample(window.total_impacts(), window, all, average));
   for (std::size_t p = 0; p < particles.size(); ++p) row.samples.push_back(speed_sample(window, p, particles[p]));
   return row;
 }

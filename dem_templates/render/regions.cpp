@@ -42,7 +42,7 @@ std::string bowl_space(const BatchBowl& b) {
 
 // LIGGGHTS wants primes above 10 000 as seeds.
 long prime_seed(long seed, int number) {
-  long candidate = std::max(10007L, seed / 16 + 1000L * number);
+  long candidate = 10007L + seed / 16 + 1000L * number;  // different ones for each number
   const auto is_prime = [](long n) {
     for (long d = 2; d * d <= n; ++d)
       if (n % d == 0) return false;

@@ -134,7 +134,7 @@ TEST_F(MonitorProgram, WaitsForTheFileAndEndsWithTenWhenItDrifts) {
   const auto verdict = json::parse(ended.out, "stdout");
   ASSERT_TRUE(verdict) << ended.out;
   EXPECT_EQ("drifted", (*verdict)["verdict"].as_string());
-  EXPECT_EQ("collisions_per_s", (*verdict)["watched"].as_string());
+  EXPECT_EQ("collisions_per_particle_s", (*verdict)["watched"].as_string());
   EXPECT_EQ(1, std::count(ended.out.begin(), ended.out.end(), '\n')) << "one line";
 }
 

@@ -55,8 +55,8 @@ TEST(Watch, SeesCollisionsImpactsAndMeanSpeedsOfADemDrift) {
                  }));
   };
 
-  EXPECT_EQ("collisions_per_s", of([](TallyLine& line) { line.collisions *= 1.3; }).watched);
-  EXPECT_EQ("impacts_per_s", of([](TallyLine& line) { line.impacts *= 0.7; }).watched);
+  EXPECT_EQ("collisions_per_particle_s", of([](TallyLine& line) { line.collisions *= 1.3; }).watched);
+  EXPECT_EQ("impacts_per_particle_s", of([](TallyLine& line) { line.impacts *= 0.7; }).watched);
   const Verdict speed = of([](TallyLine& line) { line.speed *= 1.3; });
   EXPECT_EQ("speed_mean_m_s", speed.watched);
   EXPECT_EQ("class 1", speed.where);
