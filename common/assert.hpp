@@ -4,12 +4,12 @@
 #ifdef GRANARY_ASSERTS
 #include <cstdio>
 #include <cstdlib>
-#define GRANARY_ASSERT(condition, ...)                                                                  \
-  do {                                                                                                  \
-    if (!(condition)) {                                                                                 \
+#define GRANARY_ASSERT(condition, ...)                                                                         \
+  do {                                                                                                         \
+    if (!(condition)) {                                                                                        \
       std::fprintf(stderr, "%s:%d: broken promise: %s  [%s]\n", __FILE__, __LINE__, #condition, #__VA_ARGS__); \
-      std::abort();                                                                                     \
-    }                                                                                                   \
+      std::abort();                                                                                            \
+    }                                                                                                          \
   } while (false)
 #else
 #define GRANARY_ASSERT(condition, ...) \

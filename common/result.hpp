@@ -72,15 +72,15 @@ using Status = Result<void>;
 
 /// GRANARY_TRY(const Hdf5File file, Hdf5File::open(path)): the value, or back to our caller with the error.
 #define GRANARY_TRY(declaration, ...) GRANARY_TRY_AS(GRANARY_CONCAT(granary_try_, __LINE__), declaration, __VA_ARGS__)
-#define GRANARY_TRY_AS(name, declaration, ...)      \
-  auto name = (__VA_ARGS__);                        \
+#define GRANARY_TRY_AS(name, declaration, ...)           \
+  auto name = (__VA_ARGS__);                             \
   if (!name.has_value()) return std::move(name).error(); \
   declaration = std::move(name).value()
 
 /// GRANARY_CHECK(file.close()): nothing, or back to our caller with the error.
-#define GRANARY_CHECK(...)                                                             \
-  do {                                                                                 \
-    auto granary_check_status = (__VA_ARGS__);                                         \
+#define GRANARY_CHECK(...)                                                                 \
+  do {                                                                                     \
+    auto granary_check_status = (__VA_ARGS__);                                             \
     if (!granary_check_status.has_value()) return std::move(granary_check_status).error(); \
   } while (false)
 

@@ -35,12 +35,14 @@ std::string_view trimmed(std::string_view text) {
 Result<double> to_si(std::string_view text, const std::string& si_unit) {
   static std::mutex one_at_a_time;  // UDUNITS keeps its state in globals
   const std::lock_guard lock(one_at_a_time);
-  if (unit_system() == nullptr) return Error{"the units database of UDUNITS-2 was not found; install libudunits2-0.", Exit::internal};
+  if (unit_system() == nullptr)
+    return Error{"the units database of UDUNITS-2 was not found; install libudunits2-0.", Exit::internal};
 
   const std::string_view whole = trimmed(text);
   double number = 0.0;
   const auto [end, code] = std::from_chars(whole.data(), whole.data() + whole.size(), number);
-  if (code != std::errc{} || !std::isfinite(number)) return Error{fmt::format("it must be a number with a unit, such as \"1 {}\".", si_unit)};
+  if (code != std::errc{} || !std::isfinite(number))
+    return Error{fmt::format("it must be a number with a unit, such as \"1 {}\".", si_unit)};
   const std::string unit_text{trimmed(whole.substr(static_cast<std::size_t>(end - whole.data())))};
   if (unit_text.empty()) return Error{fmt::format("it has no unit; write for example \"{} {}\".", number, si_unit)};
 

@@ -28,7 +28,8 @@ Exit codes: 0 done, 2 bad input, 3 a task failed for good, 4 stopped and resumab
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Granary: one JSON workflow, one block of cores, DEM and population balances coupled both ways.", "granary"};
+  CLI::App app{"Granary: one JSON workflow, one block of cores, DEM and population balances coupled both ways.",
+               "granary"};
   app.footer(kExamples);
   app.require_subcommand(1);
   app.set_version_flag("--version", fmt::format("granary {} ({})", granary::version(), granary::revision()));
@@ -38,8 +39,10 @@ int main(int argc, char** argv) {
   auto* run = app.add_subcommand("run", "Run a workflow to its end");
   run->add_option("workflow", options.workflow, "The workflow, a JSON file")->required();
   run->add_option("--dir", options.dir, "Run directory (default: runs/NAME)");
-  run->add_option("--cores", options.cores, "Cores (of a node) to use (default: the workflow's, else all)")->check(CLI::PositiveNumber);
-  run->add_option("--nodes", options.nodes, "Nodes of the machine to assume (dry run only)")->check(CLI::PositiveNumber);
+  run->add_option("--cores", options.cores, "Cores (of a node) to use (default: the workflow's, else all)")
+      ->check(CLI::PositiveNumber);
+  run->add_option("--nodes", options.nodes, "Nodes of the machine to assume (dry run only)")
+      ->check(CLI::PositiveNumber);
   run->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
   run->add_flag("--dry-run", options.dry_run, "The same controller and scheduler on a virtual clock: starts nothing");
   run->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
@@ -60,14 +63,17 @@ int main(int argc, char** argv) {
     sub->callback([&chosen, command = std::move(command)] { chosen = command; });
     return sub;
   };
-  on_folder("status", "What runs, what waits, what has ended", [&] { return commands::status(dir, options.json); })
-      ->add_flag("--json", options.json, "Print one JSON document");
+  on_folder("status", "What runs, what waits, what has ended", [&] {
+    return commands::status(dir, options.json);
+  })->add_flag("--json", options.json, "Print one JSON document");
   on_folder("stop", "End a running campaign gracefully, to be resumed", [&] { return commands::stop(dir); });
-  auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash", [&] { return commands::resume(dir, options.json, options.quiet); });
+  auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash",
+                           [&] { return commands::resume(dir, options.json, options.quiet); });
   resume->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
   resume->add_flag("-q,--quiet", options.quiet, "No progress");
   on_folder("explain", "Why a task waits, what it did, what it cost", [&] { return commands::explain(dir, task); })
-      ->add_option("task", task, "Its name, such as 0001-dem")->required();
+      ->add_option("task", task, "Its name, such as 0001-dem")
+      ->required();
   on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
 
   try {

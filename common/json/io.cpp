@@ -50,7 +50,8 @@ Result<Value> parse(std::string_view text, std::string_view name) {
     DuplicateFinder duplicates;
     const auto parsed = detail::Library::parse(text, std::ref(duplicates));
     if (!duplicates.found.empty())
-      return Error{fmt::format("{}: the key \"{}\" stands twice in one object. Remove one of them.", name, duplicates.found)};
+      return Error{
+          fmt::format("{}: the key \"{}\" stands twice in one object. Remove one of them.", name, duplicates.found)};
     return detail::from_library(parsed);
   } catch (const detail::Library::parse_error& fault) {
     std::string reason = fault.what();
@@ -71,14 +72,17 @@ std::string dump(const Value& value, int indent) {
 }
 
 Status write_text(const fs::path& file, std::string_view text) { return write_text_atomically(file, text); }
-Status write_file(const fs::path& file, const Value& value) { return write_text_atomically(file, dump(value, 1) + "\n"); }
+Status write_file(const fs::path& file, const Value& value) {
+  return write_text_atomically(file, dump(value, 1) + "\n");
+}
 
 // ---- LineWriter
 
 namespace {
 Result<int> open_lines(const fs::path& file, int how) {
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | how, 0644);
-  if (fd < 0) return Error{fmt::format("{}: cannot be written: {}.", file.string(), std::strerror(errno)), Exit::task_failed};
+  if (fd < 0)
+    return Error{fmt::format("{}: cannot be written: {}.", file.string(), std::strerror(errno)), Exit::task_failed};
   return fd;
 }
 }  // namespace
@@ -93,7 +97,8 @@ Result<LineWriter> LineWriter::append_to(const fs::path& file) {
   return LineWriter(fd, file);
 }
 
-LineWriter::LineWriter(LineWriter&& other) noexcept : fd_(std::exchange(other.fd_, -1)), file_(std::move(other.file_)) {}
+LineWriter::LineWriter(LineWriter&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)), file_(std::move(other.file_)) {}
 
 LineWriter& LineWriter::operator=(LineWriter&& other) noexcept {
   std::swap(fd_, other.fd_);
@@ -113,7 +118,8 @@ Status LineWriter::append(const Value& value) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
       const char* advice = errno == ENOSPC || errno == EDQUOT ? " Free some space, then resume." : "";
-      return Error{fmt::format("{}: cannot be written: {}.{}", file_.string(), std::strerror(errno), advice), Exit::task_failed};
+      return Error{fmt::format("{}: cannot be written: {}.{}", file_.string(), std::strerror(errno), advice),
+                   Exit::task_failed};
     }
     rest.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -150,8 +156,10 @@ Result<std::vector<Value>> read_lines(const fs::path& file) {
   LineReader reader(file);
   GRANARY_TRY(auto values, reader.next());
   if (reader.torn_bytes() > 0)
-    return Error{fmt::format("{}: its last line, number {}, is cut short after {} bytes. The program that wrote it was killed, or the disk is full.",
-                             file.string(), values.size() + 1, reader.torn_bytes())};
+    return Error{
+        fmt::format("{}: its last line, number {}, is cut short after {} bytes. The program that wrote it was killed, "
+                    "or the disk is full.",
+                    file.string(), values.size() + 1, reader.torn_bytes())};
   return values;
 }
 

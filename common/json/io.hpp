@@ -18,7 +18,8 @@ namespace granary::json {
 Result<Value> parse(std::string_view text, std::string_view name);
 Result<Value> read_file(const std::filesystem::path& file);
 
-/// One line if indent < 0. Numbers are printed with the digits that read back to the same bits; NaN and infinities as null.
+/// One line if indent < 0. Numbers are printed with the digits that read back to the same bits; NaN and infinities as
+/// null.
 std::string dump(const Value& value, int indent = -1);
 
 /// Writes beside the file and renames over it: a reader sees the old content or the new, never half of it.
@@ -28,7 +29,7 @@ Status write_text(const std::filesystem::path& file, std::string_view text);
 /// Appends one line a value; each line reaches the kernel before append() returns.
 class LineWriter {
  public:
-  static Result<LineWriter> create(const std::filesystem::path& file);   // truncates
+  static Result<LineWriter> create(const std::filesystem::path& file);  // truncates
   static Result<LineWriter> append_to(const std::filesystem::path& file);
   LineWriter(LineWriter&& other) noexcept;
   LineWriter& operator=(LineWriter&& other) noexcept;

@@ -12,14 +12,18 @@ using Library = nlohmann::ordered_json;
 
 inline Value from_library(const Library& source) {
   switch (source.type()) {
-    case Library::value_t::boolean: return source.get<bool>();
-    case Library::value_t::number_integer: return source.get<std::int64_t>();
+    case Library::value_t::boolean:
+      return source.get<bool>();
+    case Library::value_t::number_integer:
+      return source.get<std::int64_t>();
     case Library::value_t::number_unsigned:
       // Beyond int64 only a double can hold it.
       if (source.get<std::uint64_t>() > INT64_MAX) return source.get<double>();
       return source.get<std::int64_t>();
-    case Library::value_t::number_float: return source.get<double>();
-    case Library::value_t::string: return source.get<std::string>();
+    case Library::value_t::number_float:
+      return source.get<double>();
+    case Library::value_t::string:
+      return source.get<std::string>();
     case Library::value_t::array: {
       Array items;
       items.reserve(source.size());
@@ -31,7 +35,8 @@ inline Value from_library(const Library& source) {
       for (const auto& [key, value] : source.items()) made.members().emplace_back(key, from_library(value));
       return made;
     }
-    default: return {};
+    default:
+      return {};
   }
 }
 

@@ -18,7 +18,9 @@ std::string Problem::text() const {
 }
 
 void Problems::add(Problem problem) {
-  const auto same_place = [&](const Problem& other) { return other.file == problem.file && other.pointer == problem.pointer; };
+  const auto same_place = [&](const Problem& other) {
+    return other.file == problem.file && other.pointer == problem.pointer;
+  };
   if (std::none_of(problems_.begin(), problems_.end(), same_place)) problems_.push_back(std::move(problem));
 }
 
@@ -42,7 +44,8 @@ std::size_t distance(const std::string& a, const std::string& b) {
   for (std::size_t i = 1; i <= a.size(); ++i) {
     for (std::size_t j = 1; j <= b.size(); ++j) {
       d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
   }
   return d[a.size()][b.size()];

@@ -50,7 +50,8 @@ Reader::Reader(const Value& value, std::string file, Problems& problems, std::st
     : value_(&value), file_(std::move(file)), problems_(&problems), pointer_(std::move(pointer)) {
   static const Value empty = Value::object();
   if (value_->is_object()) return;
-  if (!value_->is_null() || pointer_.empty()) problems_->add({file_, pointer_, shown(*value_), "it must be an object, {...}.", ""});
+  if (!value_->is_null() || pointer_.empty())
+    problems_->add({file_, pointer_, shown(*value_), "it must be an object, {...}.", ""});
   value_ = &empty;
 }
 
@@ -139,7 +140,8 @@ double Reader::quantity_or(const std::string& key, double otherwise_si, const st
   const Value* found = wanted(key, false);
   if (found == nullptr) return otherwise_si;
   if (!found->is_string())
-    return wrong_type(key, *found, fmt::format("a number with a unit in quotes, such as \"1 {}\"", si_unit)), otherwise_si;
+    return wrong_type(key, *found, fmt::format("a number with a unit in quotes, such as \"1 {}\"", si_unit)),
+           otherwise_si;
   const auto si = to_si(found->as_string(), si_unit);
   if (!si) return problem(key, si.error().message), otherwise_si;
   if (!range.contains(*si)) return problem(key, fmt::format("it must be {} {}.", range.text(), si_unit)), otherwise_si;
@@ -155,7 +157,8 @@ std::vector<double> Reader::quantities(const std::string& key, const std::string
     const Value& item = found->items()[i];
     const std::string place = fmt::format("{}/{}", pointer(key), i);
     if (!item.is_string()) {
-      problems_->add({file_, place, shown(item), fmt::format("it must be a number with a unit in quotes, such as \"1 {}\".", si_unit), ""});
+      problems_->add({file_, place, shown(item),
+                      fmt::format("it must be a number with a unit in quotes, such as \"1 {}\".", si_unit), ""});
     } else if (const auto si = to_si(item.as_string(), si_unit); !si) {
       problems_->add({file_, place, shown(item), si.error().message, ""});
     } else if (!range.contains(*si)) {
@@ -177,7 +180,8 @@ std::vector<double> Reader::numbers(const std::string& key, Range range) {
     if (item.is_number() && range.contains(item.as_number())) {
       values.push_back(item.as_number());
     } else {
-      problems_->add({file_, fmt::format("{}/{}", pointer(key), i), shown(item), "it must be a number" + range.clause() + ".", ""});
+      problems_->add({file_, fmt::format("{}/{}", pointer(key), i), shown(item),
+                      "it must be a number" + range.clause() + ".", ""});
     }
   }
   return values;
@@ -220,7 +224,8 @@ void Reader::done() {
   for (const auto& [key, value] : value_->members()) {
     if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
     const std::string near = did_you_mean(key, asked_);
-    problems_->add({file_, pointer(key), "", "no such setting.", near.empty() ? "Remove it." : "Did you mean \"" + near + "\"?"});
+    problems_->add(
+        {file_, pointer(key), "", "no such setting.", near.empty() ? "Remove it." : "Did you mean \"" + near + "\"?"});
   }
 }
 

@@ -22,7 +22,7 @@ struct Range {
 
   bool contains(double x) const;  ///< NaN is in no range
   std::string text() const;
-  std::string clause() const;         ///< ", > 0" to end a sentence with; nothing if any number will do
+  std::string clause() const;  ///< ", > 0" to end a sentence with; nothing if any number will do
 
   static Range any() { return {}; }
   static Range positive() { return {0.0, std::numeric_limits<double>::infinity(), false, true}; }
@@ -53,7 +53,8 @@ class Reader {
   /// A string with a unit ("2000 rpm", "15 kg/h") converted to `si_unit` ("rad/s", "kg/s"); the range is in SI.
   /// A bare number is a problem: it has no unit. Dimensionless settings are number()s.
   double quantity(const std::string& key, const std::string& si_unit, Range range = Range::any());
-  double quantity_or(const std::string& key, double otherwise_si, const std::string& si_unit, Range range = Range::any());
+  double quantity_or(const std::string& key, double otherwise_si, const std::string& si_unit,
+                     Range range = Range::any());
   std::vector<double> quantities(const std::string& key, const std::string& si_unit, Range range = Range::any());
 
   std::vector<double> numbers(const std::string& key, Range range = Range::any());

@@ -19,19 +19,19 @@ using Member = std::pair<std::string, Value>;
 class Value {
  public:
   Value() = default;
-  Value(std::nullptr_t) {}                       // NOLINT: implicit on purpose, as all below
-  Value(bool value) : content_(value) {}         // NOLINT
-  Value(double value) : content_(value) {}       // NOLINT
-  Value(int value) : content_(std::int64_t{value}) {}               // NOLINT
-  Value(std::int64_t value) : content_(value) {}                    // NOLINT
+  Value(std::nullptr_t) {}                                                  // NOLINT: implicit on purpose, as all below
+  Value(bool value) : content_(value) {}                                    // NOLINT
+  Value(double value) : content_(value) {}                                  // NOLINT
+  Value(int value) : content_(std::int64_t{value}) {}                       // NOLINT
+  Value(std::int64_t value) : content_(value) {}                            // NOLINT
   Value(std::size_t value) : content_(static_cast<std::int64_t>(value)) {}  // NOLINT
-  Value(std::string value) : content_(std::move(value)) {}          // NOLINT
-  Value(std::string_view value) : content_(std::string(value)) {}   // NOLINT
-  Value(const char* value) : content_(std::string(value)) {}        // NOLINT
-  Value(Array items) : content_(std::move(items)) {}                // NOLINT
-  Value(const std::vector<double>& items);                          // NOLINT
-  Value(const std::vector<std::vector<double>>& rows);              // NOLINT
-  Value(const std::vector<std::string>& items);                     // NOLINT
+  Value(std::string value) : content_(std::move(value)) {}                  // NOLINT
+  Value(std::string_view value) : content_(std::string(value)) {}           // NOLINT
+  Value(const char* value) : content_(std::string(value)) {}                // NOLINT
+  Value(Array items) : content_(std::move(items)) {}                        // NOLINT
+  Value(const std::vector<double>& items);                                  // NOLINT
+  Value(const std::vector<std::vector<double>>& rows);                      // NOLINT
+  Value(const std::vector<std::string>& items);                             // NOLINT
 
   static Value object(std::initializer_list<Member> members = {});
   static Value array() { return Value(Array{}); }

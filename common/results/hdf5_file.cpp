@@ -27,8 +27,8 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints its error stack by itself; our messages say it in one line. And it must not tidy up at exit: after a failed
-/// write (a full disk) that ends in a crash, while files that were written well are closed by then.
+/// HDF5 prints its error stack by itself; our messages say it in one line. And it must not tidy up at exit: after a
+/// failed write (a full disk) that ends in a crash, while files that were written well are closed by then.
 void set_up_library() {
   static const bool done = [] { return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
   (void)done;
@@ -38,7 +38,8 @@ Error failure(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what), Exit::task_failed};
 }
 Error cannot_read(const fs::path& file, const std::string& name) {
-  return {fmt::format("{}: \"{}\" is missing or cannot be read. The file is of another kind, or was cut short.", file.string(), name)};
+  return {fmt::format("{}: \"{}\" is missing or cannot be read. The file is of another kind, or was cut short.",
+                      file.string(), name)};
 }
 
 Handle link_properties() {
@@ -152,7 +153,8 @@ Error Hdf5File::failed_to_write(const std::string& name) {
   return failure(file_, fmt::format("\"{}\" cannot be written. Is the disk full, or the file open elsewhere?", name));
 }
 
-Status Hdf5File::write(const std::string& name, const DataArray& data, std::string_view unit, std::string_view description) {
+Status Hdf5File::write(const std::string& name, const DataArray& data, std::string_view unit,
+                       std::string_view description) {
   const auto dims = dims_of(data.shape);
   const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose);
   const Handle dataset = make_dataset(id_, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT);
@@ -173,7 +175,8 @@ Status Hdf5File::write_integers(const std::string& name, const std::vector<std::
   return {};
 }
 
-Status Hdf5File::write_texts(const std::string& name, const std::vector<std::string>& values, std::string_view description) {
+Status Hdf5File::write_texts(const std::string& name, const std::vector<std::string>& values,
+                             std::string_view description) {
   const hsize_t size = values.size();
   const Handle type = text_type();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
@@ -186,8 +189,8 @@ Status Hdf5File::write_texts(const std::string& name, const std::vector<std::str
   return {};
 }
 
-Status Hdf5File::create_growing(const std::string& name, const std::vector<std::size_t>& row_shape, std::string_view unit,
-                                std::string_view description) {
+Status Hdf5File::create_growing(const std::string& name, const std::vector<std::size_t>& row_shape,
+                                std::string_view unit, std::string_view description) {
   std::vector<hsize_t> dims{0};
   dims.insert(dims.end(), row_shape.begin(), row_shape.end());
   auto most = dims;
@@ -259,7 +262,8 @@ Result<DataArray> Hdf5File::read(const std::string& name) const {
   const auto dims = shape_of(dataset);
   DataArray data{{dims.begin(), dims.end()}, {}};
   data.values.resize(std::accumulate(dims.begin(), dims.end(), hsize_t{1}, std::multiplies<>()));
-  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.values.data()) < 0) return cannot_read(file_, name);
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.values.data()) < 0)
+    return cannot_read(file_, name);
   return data;
 }
 
@@ -268,12 +272,14 @@ Result<std::vector<double>> Hdf5File::read_row(const std::string& name, std::siz
   if (!dataset.good()) return cannot_read(file_, name);
   const auto dims = shape_of(dataset);
   if (dims.empty() || row >= dims[0])
-    return Error{fmt::format("{}: \"{}\" has {} rows; row {} was asked for.", file_.string(), name, dims.empty() ? 0 : dims[0], row)};
+    return Error{fmt::format("{}: \"{}\" has {} rows; row {} was asked for.", file_.string(), name,
+                             dims.empty() ? 0 : dims[0], row)};
   std::vector<double> values(row_length(dims));
   const Handle rows = row_selection(dataset, row, dims);
   const hsize_t size = values.size();
   const Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, rows, H5P_DEFAULT, values.data()) < 0) return cannot_read(file_, name);
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, rows, H5P_DEFAULT, values.data()) < 0)
+    return cannot_read(file_, name);
   return values;
 }
 
@@ -308,7 +314,8 @@ Result<double> Hdf5File::number_attribute(const std::string& name, const std::st
   if (!exists(id_, name)) return cannot_read(file_, name);
   const Handle attribute(H5Aopen_by_name(id_, name.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   double value = 0.0;
-  if (!attribute.good() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0) return cannot_read(file_, name + " @" + key);
+  if (!attribute.good() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+    return cannot_read(file_, name + " @" + key);
   return value;
 }
 

@@ -33,7 +33,8 @@ class Hdf5File {
                         std::string_view description);
   Status write_texts(const std::string& name, const std::vector<std::string>& values, std::string_view description);
 
-  /// Makes an empty dataset that grows along its first axis; `row_shape` is the shape of one row (empty: a scalar a row).
+  /// Makes an empty dataset that grows along its first axis; `row_shape` is the shape of one row (empty: a scalar a
+  /// row).
   Status create_growing(const std::string& name, const std::vector<std::size_t>& row_shape, std::string_view unit,
                         std::string_view description);
   Status append_row(const std::string& name, const std::vector<double>& row);

@@ -1,5 +1,5 @@
-// The commands of `granary`: each takes what the command line says and returns the exit code. Results go to stdout, progress
-// and errors to stderr.
+// The commands of `granary`: each takes what the command line says and returns the exit code. Results go to stdout,
+// progress and errors to stderr.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,9 @@ namespace granary::commands {
 
 struct RunOptions {
   std::filesystem::path workflow;
-  std::filesystem::path dir;           ///< run directory; empty: runs/NAME, or the first free runs/NAME-2, ...
-  int cores = 0;                       ///< 0: the workflow's, or all of the machine
-  int nodes = 0;                       ///< dry run only; 0: the workflow's
+  std::filesystem::path dir;  ///< run directory; empty: runs/NAME, or the first free runs/NAME-2, ...
+  int cores = 0;              ///< 0: the workflow's, or all of the machine
+  int nodes = 0;              ///< dry run only; 0: the workflow's
   bool dry_run = false;
   bool json = false;
   bool quiet = false;

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A campaign whose pilot is not alive, as its journal tells it. Nothing is started or written: the journal is a copy in memory.
+/// A campaign whose pilot is not alive, as its journal tells it. Nothing is started or written: the journal is a copy
+/// in memory.
 struct Past {
   pilot::VirtualLoop loop;
   pilot::Journal journal = pilot::Journal::in_memory();
@@ -28,7 +29,8 @@ struct Past {
 };
 
 Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
-  if (!fs::exists(dir / "journal.jsonl")) return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
+  if (!fs::exists(dir / "journal.jsonl"))
+    return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
   GRANARY_TRY(const auto content, pilot::read_journal(dir / "journal.jsonl"));
   GRANARY_TRY(const auto campaign, campaign::read_written_campaign(dir / "campaign.json"));
   auto past = std::make_unique<Past>();
@@ -76,24 +78,29 @@ Result<Exit> status(const fs::path& dir, bool json) {
     return Exit::ok;
   }
   fmt::print("{}: {}\n", dir.string(), alive ? "running" : "no pilot is alive here");
-  for (const auto& [state, count] : status["counts"].members_or_none()) fmt::print("  {:<10} {}\n", state, count.as_integer());
+  for (const auto& [state, count] : status["counts"].members_or_none())
+    fmt::print("  {:<10} {}\n", state, count.as_integer());
   if (alive)
-    fmt::print("  cores busy {} of {}, {:.1f} s\n", status.integer_or("busy_cores", 0), status.integer_or("cores", 0), status.number_or("time_s", 0.0));
+    fmt::print("  cores busy {} of {}, {:.1f} s\n", status.integer_or("busy_cores", 0), status.integer_or("cores", 0),
+               status.number_or("time_s", 0.0));
   for (const json::Value& task : status["tasks"].items_or_none())
-    fmt::print("  {:<24} {:<10} attempt {} {:.1f} s\n", task.text_or("name", ""), task.text_or("state", ""), task.integer_or("attempt", 1),
-               task.number_or("seconds", 0.0));
+    fmt::print("  {:<24} {:<10} attempt {} {:.1f} s\n", task.text_or("name", ""), task.text_or("state", ""),
+               task.integer_or("attempt", 1), task.number_or("seconds", 0.0));
   const json::Value& coupling = status["coupling"];
   if (coupling.is_object())
-    fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""), coupling.text_or("burst", ""),
-               coupling.number_or("process_clock_s", 0.0), coupling.number_or("dem_clock_s", 0.0));
+    fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""),
+               coupling.text_or("burst", ""), coupling.number_or("process_clock_s", 0.0),
+               coupling.number_or("dem_clock_s", 0.0));
   const std::string ended = coupling.text_or("ended", "");
   if (!alive && (ended.empty() || ended == "stopped")) fmt::print("  go on with: granary resume {}\n", dir.string());
   return Exit::ok;
 }
 
 Result<Exit> stop(const fs::path& dir) {
-  GRANARY_TRY(const auto answer, pilot::ask_pilot(dir, json::Value::object({{"ask", "stop"}, {"reason", "stopped by the user"}})));
-  fmt::print("{}: stopping; its tasks end gracefully. Go on later with: granary resume {}\n", dir.string(), dir.string());
+  GRANARY_TRY(const auto answer,
+              pilot::ask_pilot(dir, json::Value::object({{"ask", "stop"}, {"reason", "stopped by the user"}})));
+  fmt::print("{}: stopping; its tasks end gracefully. Go on later with: granary resume {}\n", dir.string(),
+             dir.string());
   return Exit::ok;
 }
 

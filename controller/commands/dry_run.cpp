@@ -29,8 +29,8 @@ Result<pilot::Machine> machine_of(const Campaign& campaign, const RunOptions& op
 }
 
 std::string submission(const pilot::Machine& machine) {
-  return fmt::format("would be submitted: one pilot on {} node(s) of {} cores; every task below runs inside it\n", machine.nodes.size(),
-                     machine.largest_node());
+  return fmt::format("would be submitted: one pilot on {} node(s) of {} cores; every task below runs inside it\n",
+                     machine.nodes.size(), machine.largest_node());
 }
 
 void print(const pilot::Pilot& pilot, const std::string& how, bool json) {
@@ -55,12 +55,14 @@ Result<Exit> dry_run_coupled(const Campaign& campaign, const pilot::Machine& mac
   run::SimulatedHandover handover(campaign);
   pilot::SimulatedLauncher launcher(loop, [&](const pilot::TaskSpec& spec) { return handover.run_of(spec); });
   pilot::Journal journal = pilot::Journal::in_memory([&] { return loop.wall_time(); });
-  GRANARY_TRY(const auto pilot, pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
+  GRANARY_TRY(const auto pilot,
+              pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
   run::Progress progress(loop, {}, options.quiet || options.json);
   run::CampaignRun campaign_run(run::coupling_settings(campaign), handover, *pilot, loop, journal, progress.watcher());
   GRANARY_CHECK(campaign_run.begin());
   loop.run();
-  if (!campaign_run.ended()) return Error{"the dry run came to no end: the coupling waits for something that never happens.", Exit::internal};
+  if (!campaign_run.ended())
+    return Error{"the dry run came to no end: the coupling waits for something that never happens.", Exit::internal};
   print(*pilot, std::string(coupling::name(*campaign_run.state().ended)), options.json);
   if (campaign_run.exit() == Exit::task_failed) return Error{campaign_run.state().why_ended.message, Exit::task_failed};
   return campaign_run.exit();
@@ -75,7 +77,8 @@ Result<Exit> dry_run_tasks(const Campaign& campaign, const pilot::Machine& machi
     return run;
   });
   pilot::Journal journal = pilot::Journal::in_memory([&] { return loop.wall_time(); });
-  GRANARY_TRY(const auto pilot, pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
+  GRANARY_TRY(const auto pilot,
+              pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
   GRANARY_TRY(const auto summary, pilot::run_task_list(campaign.tasks, *pilot, loop));
   print(*pilot, summary.exit == Exit::ok ? "finished" : "failed", options.json);
   return summary.exit;
@@ -86,7 +89,8 @@ Result<Exit> dry_run_tasks(const Campaign& campaign, const pilot::Machine& machi
 Result<Exit> dry_run(const RunOptions& options) {
   GRANARY_TRY(const Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
   GRANARY_TRY(const pilot::Machine machine, machine_of(campaign, options));
-  return campaign.kind == campaign::Kind::tasks ? dry_run_tasks(campaign, machine, options) : dry_run_coupled(campaign, machine, options);
+  return campaign.kind == campaign::Kind::tasks ? dry_run_tasks(campaign, machine, options)
+                                                : dry_run_coupled(campaign, machine, options);
 }
 
 }  // namespace granary::commands

@@ -17,8 +17,8 @@
 #include "controller/run/summary.hpp"
 #include "pilot/control/control.hpp"
 #include "pilot/control/run_lock.hpp"
-#include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/command.hpp"
+#include "pilot/launch/local_launcher.hpp"
 #include "pilot/loop/real_loop.hpp"
 #include "pilot/task_list.hpp"
 
@@ -47,8 +47,12 @@ struct Session {
   std::unique_ptr<pilot::Pilot> pilot;
 
   Session(fs::path run_dir, Campaign understood, pilot::Machine cores, pilot::RunLock held, pilot::Journal opened)
-      : dir(std::move(run_dir)), campaign(std::move(understood)), machine(std::move(cores)), lock(std::move(held)),
-        journal(std::move(opened)), launcher(loop, machine) {}
+      : dir(std::move(run_dir)),
+        campaign(std::move(understood)),
+        machine(std::move(cores)),
+        lock(std::move(held)),
+        journal(std::move(opened)),
+        launcher(loop, machine) {}
 };
 
 Result<std::unique_ptr<Session>> open_session(const fs::path& dir, Campaign campaign, int cores) {
@@ -58,8 +62,10 @@ Result<std::unique_ptr<Session>> open_session(const fs::path& dir, Campaign camp
   GRANARY_TRY(pilot::Journal journal, pilot::Journal::open(dir / "journal.jsonl"));
   if (journal.dropped_bytes() > 0)
     log::warning("journal", fmt::format("{} bytes of a torn last record were dropped", journal.dropped_bytes()));
-  auto session = std::make_unique<Session>(dir, std::move(campaign), std::move(machine), std::move(lock), std::move(journal));
-  GRANARY_TRY(session->pilot, pilot::Pilot::open({dir, session->machine}, session->loop, session->launcher, session->journal));
+  auto session =
+      std::make_unique<Session>(dir, std::move(campaign), std::move(machine), std::move(lock), std::move(journal));
+  GRANARY_TRY(session->pilot,
+              pilot::Pilot::open({dir, session->machine}, session->loop, session->launcher, session->journal));
   return session;
 }
 
@@ -70,7 +76,8 @@ double first_wall_time(const pilot::Journal& journal, double otherwise) {
 /// Every program the campaign will need, before anything is started: all that are missing at once.
 Status check_programs(const Campaign& campaign) {
   const bool dem = campaign.coupling.mode != campaign::CouplingSettings::Mode::pbm_only;
-  std::vector<std::string> wanted{(program_folder() / "granary-pbm").string(), (program_folder() / "granary-monitor").string()};
+  std::vector<std::string> wanted{(program_folder() / "granary-pbm").string(),
+                                  (program_folder() / "granary-monitor").string()};
   if (dem) wanted.push_back((program_folder() / "granary-dem").string());
   if (dem || campaign.pbm.ranks > 1) wanted.emplace_back("mpirun");
   if (campaign.outputs.report) wanted.emplace_back("gnuplot");
@@ -84,7 +91,8 @@ Status check_programs(const Campaign& campaign) {
 }
 
 /// Results and report of all bursts that are over, whatever the campaign's end.
-Result<CampaignResults> finish(Session& session, const run::FileHandover& handover, const run::CampaignRun& campaign_run) {
+Result<CampaignResults> finish(Session& session, const run::FileHandover& handover,
+                               const run::CampaignRun& campaign_run) {
   run::RunRecord record;
   record.state = campaign_run.state();
   record.ends = session.pilot->ends();
@@ -95,35 +103,39 @@ Result<CampaignResults> finish(Session& session, const run::FileHandover& handov
   record.finished = run::iso_time(session.loop.wall_time());
   GRANARY_TRY(CampaignResults results, run::collect(session.campaign, handover, session.dir, record));
   GRANARY_CHECK(write_results(results, session.dir / "results.h5"));
-  if (session.campaign.outputs.report) GRANARY_CHECK(report::write_report(session.dir / "results.h5", session.dir / "report.html"));
+  if (session.campaign.outputs.report)
+    GRANARY_CHECK(report::write_report(session.dir / "results.h5", session.dir / "report.html"));
   return results;
 }
 
 /// SIGINT and SIGTERM ask for a graceful stop; a second one ends the tasks without grace.
 void stop_on_signals(Session& session, std::function<void(const std::string&)> ask_stop) {
-  session.loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&session, ask_stop = std::move(ask_stop), asked = false](int signal) mutable {
-    if (std::exchange(asked, true)) return session.loop.stop();
-    ask_stop(signal == SIGINT ? "interrupted by the user" : fmt::format("signal {}", signal));
-  });
+  session.loop.on_signals({SIGINT, SIGTERM, SIGHUP},
+                          [&session, ask_stop = std::move(ask_stop), asked = false](int signal) mutable {
+                            if (std::exchange(asked, true)) return session.loop.stop();
+                            ask_stop(signal == SIGINT ? "interrupted by the user" : fmt::format("signal {}", signal));
+                          });
 }
 
 Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   run::FileHandover handover(session.campaign, session.dir, program_folder());
   run::Progress progress(session.loop, session.dir, quiet);
-  run::CampaignRun campaign_run(run::coupling_settings(session.campaign), handover, *session.pilot, session.loop, session.journal,
-                                progress.watcher());
+  run::CampaignRun campaign_run(run::coupling_settings(session.campaign), handover, *session.pilot, session.loop,
+                                session.journal, progress.watcher());
   session.pilot->on_idle([&] {
     if (campaign_run.ended() || campaign_run.failure() || session.pilot->failure()) session.loop.stop();
   });
   const auto ask_stop = [&](const std::string& message) { campaign_run.ask_stop(message); };
   stop_on_signals(session, ask_stop);
-  GRANARY_TRY(const auto server, pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
+  GRANARY_TRY(const auto server,
+              pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
                 if (request.text_or("ask", "") == "stop" && request["task"].is_null()) {
                   ask_stop(request.text_or("reason", "stopped by the user"));
                   return json::Value::object({{"stopping", true}});
                 }
                 json::Value answer = session.pilot->answer(request);
-                if (request.text_or("ask", "") == "status") answer.set("coupling", coupling::to_json(campaign_run.state()));
+                if (request.text_or("ask", "") == "status")
+                  answer.set("coupling", coupling::to_json(campaign_run.state()));
                 return answer;
               }));
   GRANARY_CHECK(campaign_run.begin());
@@ -140,28 +152,32 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   } else {
     fmt::print("{}", run::summary_text(results, results_h5, report_html));
   }
-  if (campaign_run.exit() == Exit::stopped) fmt::print(stderr, "stopped; go on with: granary resume {}\n", session.dir.string());
+  if (campaign_run.exit() == Exit::stopped)
+    fmt::print(stderr, "stopped; go on with: granary resume {}\n", session.dir.string());
   if (campaign_run.exit() == Exit::task_failed && (json || quiet))
-    return Error{fmt::format("{}: {}", session.dir.string(), campaign_run.state().why_ended.message), Exit::task_failed};
+    return Error{fmt::format("{}: {}", session.dir.string(), campaign_run.state().why_ended.message),
+                 Exit::task_failed};
   return campaign_run.exit();
 }
 
 Result<Exit> run_tasks(Session& session, bool json) {
   stop_on_signals(session, [&](const std::string& message) { session.pilot->stop_all(message); });
-  GRANARY_TRY(const auto server, pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
-                return session.pilot->answer(request);
-              }));
-  GRANARY_TRY(const pilot::TaskListSummary summary, pilot::run_task_list(session.campaign.tasks, *session.pilot, session.loop));
+  GRANARY_TRY(const auto server,
+              pilot::ControlServer::listen(session.loop, session.dir,
+                                           [&](const json::Value& request) { return session.pilot->answer(request); }));
+  GRANARY_TRY(const pilot::TaskListSummary summary,
+              pilot::run_task_list(session.campaign.tasks, *session.pilot, session.loop));
   if (json) {
     fmt::print("{}\n", json::dump(summary.json(), 1));
   } else {
     fmt::print("{}", run::timeline_text(session.pilot->timeline(), session.pilot->usage()));
-    fmt::print("{} finished, {} failed, {} stopped, {} not started, {:.2f} s\n", summary.finished, summary.failed, summary.stopped,
-               summary.not_started, summary.seconds);
+    fmt::print("{} finished, {} failed, {} stopped, {} not started, {:.2f} s\n", summary.finished, summary.failed,
+               summary.stopped, summary.not_started, summary.seconds);
   }
   std::string failures;
   for (const pilot::TaskEnd& end : summary.ends)
-    if (end.state == pilot::TaskState::failed) failures += (failures.empty() ? "" : "\n") + end.name + ": " + end.reason;
+    if (end.state == pilot::TaskState::failed)
+      failures += (failures.empty() ? "" : "\n") + end.name + ": " + end.reason;
   if (!failures.empty()) return Error{failures, summary.exit};
   return summary.exit;
 }
@@ -174,12 +190,14 @@ Result<Exit> run_session(Session& session, bool json, bool quiet) {
 
 Result<Exit> run(const RunOptions& options) {
   if (options.dry_run) return dry_run(options);
-  if (options.nodes > 0) return Error{"--nodes states a machine for --dry-run; a real run takes the cores of this machine (--cores)."};
+  if (options.nodes > 0)
+    return Error{"--nodes states a machine for --dry-run; a real run takes the cores of this machine (--cores)."};
   GRANARY_TRY(Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
   const fs::path dir = fs::absolute(options.dir.empty() ? free_folder(campaign.name) : options.dir).lexically_normal();
   if (fs::exists(dir / "journal.jsonl"))
-    return Error{fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.", dir.string(),
-                             dir.string())};
+    return Error{
+        fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.",
+                    dir.string(), dir.string())};
   if (campaign.kind == campaign::Kind::coupled) GRANARY_CHECK(check_programs(campaign));
   GRANARY_CHECK(make_folders(dir));
   if (!options.quiet) fmt::print(stderr, "{} -> {}\n", options.workflow.string(), dir.string());
@@ -192,7 +210,8 @@ Result<Exit> run(const RunOptions& options) {
 Result<Exit> resume(const fs::path& dir, bool json, bool quiet) {
   const fs::path absolute = fs::absolute(dir).lexically_normal();
   if (!fs::exists(absolute / "journal.jsonl"))
-    return Error{fmt::format("{}: no campaign is there (no journal.jsonl). Start one: granary run WORKFLOW --dir {}", dir.string(), dir.string())};
+    return Error{fmt::format("{}: no campaign is there (no journal.jsonl). Start one: granary run WORKFLOW --dir {}",
+                             dir.string(), dir.string())};
   GRANARY_TRY(Campaign campaign, campaign::read_written_campaign(absolute / "campaign.json"));
   GRANARY_TRY(const auto session, open_session(absolute, std::move(campaign), 0));
   return run_session(*session, json, quiet);

@@ -274,7 +274,8 @@ class Update {
                                 {"process_clock_s", s_.process_clock}});
   }
 
-  /// How the campaign ends with the round that is over; nothing: it goes on, and Why names the reason the PBM burst ended.
+  /// How the campaign ends with the round that is over; nothing: it goes on, and Why names the reason the PBM burst
+  /// ended.
   std::pair<std::optional<End::How>, Why> after_round() const {
     json::Value numbers = steadiness();
     const int round = s_.burst.round;
@@ -297,11 +298,12 @@ class Update {
       return std::pair{std::optional(how), Why{std::string(name(how)), std::move(message), std::move(numbers)}};
     };
     if (two_way() && settled && long_enough && last.reason != "drifted" && round >= settings_.least_rounds)
-      return ends(End::How::steady,
-                  fmt::format("nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} agree "
-                              "within {:.3g} %",
-                              100.0 * settings_.threshold, s_.steady_time, round - 1, round,
-                              100.0 * settings_.steady_tolerance));
+      return ends(
+          End::How::steady,
+          fmt::format("nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} agree "
+                      "within {:.3g} %",
+                      100.0 * settings_.threshold, s_.steady_time, round - 1, round,
+                      100.0 * settings_.steady_tolerance));
     if (s_.process_clock >= settings_.process_end() - kInstant)
       return ends(End::How::limit, fmt::format("the process reached its end at {:.6g} s", s_.process_clock));
     if (!two_way()) return ends(End::How::limit, fmt::format("the process ended at {:.6g} s", s_.process_clock));

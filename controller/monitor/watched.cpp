@@ -13,8 +13,7 @@ namespace granary::monitor {
 namespace {
 
 std::vector<Property> dem_properties(std::size_t n_classes) {
-  std::vector<Property> properties{{"collisions_per_particle_s", "all", true},
-                                   {"impacts_per_particle_s", "all", true}};
+  std::vector<Property> properties{{"collisions_per_particle_s", "all", true}, {"impacts_per_particle_s", "all", true}};
   for (std::size_t p = 0; p < n_classes; ++p)
     properties.push_back({"speed_mean_m_s", fmt::format("class {}", p + 1), false});
   return properties;

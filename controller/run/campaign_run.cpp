@@ -14,7 +14,12 @@ constexpr const char* kDecision = "coupling.decision";
 
 CampaignRun::CampaignRun(Settings settings, Handover& handover, pilot::Pilot& pilot, pilot::EventLoop& loop,
                          pilot::Journal& journal, Watcher watcher)
-    : settings_(settings), handover_(handover), pilot_(pilot), loop_(loop), journal_(journal), watcher_(std::move(watcher)) {
+    : settings_(settings),
+      handover_(handover),
+      pilot_(pilot),
+      loop_(loop),
+      journal_(journal),
+      watcher_(std::move(watcher)) {
   pilot_.on_end([this](const pilot::TaskEnd& end) { task_ended(end); });
 }
 
@@ -28,7 +33,8 @@ Status CampaignRun::begin() {
   }
   if (begun) {
     // The tasks of the earlier life are gone; the coupling starts what it needs under new names.
-    for (const std::string& name : {program_name(state_.burst, state_.attempt), monitor_name(state_.burst, state_.attempt)})
+    for (const std::string& name :
+         {program_name(state_.burst, state_.attempt), monitor_name(state_.burst, state_.attempt)})
       if (const auto id = pilot_.find(name)) pilot_.stop(*id, "the campaign was resumed");
   }
   later(begun ? Event(Resumed{}) : Event(Began{}));
@@ -42,9 +48,12 @@ Exit CampaignRun::exit() const {
   if (!state_.ended) return Exit::internal;
   switch (*state_.ended) {
     case End::How::steady:
-    case End::How::limit: return Exit::ok;
-    case End::How::stopped: return Exit::stopped;
-    case End::How::failed: return Exit::task_failed;
+    case End::How::limit:
+      return Exit::ok;
+    case End::How::stopped:
+      return Exit::stopped;
+    case End::How::failed:
+      return Exit::task_failed;
   }
   return Exit::internal;
 }
@@ -67,7 +76,8 @@ void CampaignRun::handle(const Event& event) {
   watcher_.event(event);
   for (const Action& action : step.actions) {
     // What was decided is for people; the events alone rebuild it.
-    if (const Status written = journal_.append(kDecision, to_json(action)); !written) log::warning("campaign", written.error().message);
+    if (const Status written = journal_.append(kDecision, to_json(action)); !written)
+      log::warning("campaign", written.error().message);
     watcher_.action(action);
     act(action);
   }
@@ -117,7 +127,9 @@ void CampaignRun::act_on(const AskMonitor& ask) {
 }
 
 void CampaignRun::act_on(const coupling::Exchange& exchange) {
-  const auto failed = [&](const Error& error) { later(ExchangeFailed{exchange.burst, exchange.attempt, error.message}); };
+  const auto failed = [&](const Error& error) {
+    later(ExchangeFailed{exchange.burst, exchange.attempt, error.message});
+  };
   if (exchange.burst.kind == Kind::dem) {
     const auto summary = handover_.carry_dem(exchange);
     return summary ? later(DemExchanged{exchange.burst, exchange.attempt, *summary}) : failed(summary.error());
@@ -140,9 +152,12 @@ void CampaignRun::program_ended(const Role& role, const pilot::TaskEnd& end) {
   ended.burst = role.burst;
   ended.attempt = role.attempt;
   ended.time = handover_.clock(role.burst, end);
-  if (end.exit_code == 0 && end.state == pilot::TaskState::stopped) ended.outcome = TaskEnded::Outcome::stopped;
-  else if (end.state == pilot::TaskState::finished) ended.outcome = TaskEnded::Outcome::finished;
-  else ended.outcome = end.exit_code == kDiverged ? TaskEnded::Outcome::diverged : TaskEnded::Outcome::failed;
+  if (end.exit_code == 0 && end.state == pilot::TaskState::stopped)
+    ended.outcome = TaskEnded::Outcome::stopped;
+  else if (end.state == pilot::TaskState::finished)
+    ended.outcome = TaskEnded::Outcome::finished;
+  else
+    ended.outcome = end.exit_code == kDiverged ? TaskEnded::Outcome::diverged : TaskEnded::Outcome::failed;
   if (ended.outcome == TaskEnded::Outcome::failed || ended.outcome == TaskEnded::Outcome::diverged)
     ended.message = handover_.last_words(end);
   later(ended);

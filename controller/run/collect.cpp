@@ -103,7 +103,8 @@ ClassVolume class_volume(const coupling::HoldUp& state, std::size_t x, std::size
 
 void add_to(std::vector<double>& shares, const std::vector<double>& edges, double diameter, double volume) {
   const auto above = std::upper_bound(edges.begin(), edges.end(), diameter);
-  const auto at = std::clamp<std::ptrdiff_t>(above - edges.begin() - 1, 0, static_cast<std::ptrdiff_t>(shares.size()) - 1);
+  const auto at =
+      std::clamp<std::ptrdiff_t>(above - edges.begin() - 1, 0, static_cast<std::ptrdiff_t>(shares.size()) - 1);
   shares[static_cast<std::size_t>(at)] += volume;
 }
 
@@ -126,7 +127,8 @@ void append_distribution(SizeDistributions& sizes, const coupling::HoldUp& state
         const ClassVolume of = class_volume(state, x, i, j);
         if (of.volume <= 0.0) continue;
         add_to(shares, sizes.edge, of.diameter, of.volume);
-        if (x + 1 == state.n_compartments() && !outlet.empty()) add_to(out, sizes.edge, of.diameter, of.each * outlet[i * n2 + j]);
+        if (x + 1 == state.n_compartments() && !outlet.empty())
+          add_to(out, sizes.edge, of.diameter, of.each * outlet[i * n2 + j]);
       }
     to_shares(shares);
     table.push_back(std::move(shares));
@@ -143,7 +145,8 @@ Result<std::vector<double>> outlet_rate(const fs::path& out_h5, double time) {
   if (!file.has("/outlet/number_rate")) return std::vector<double>{};
   GRANARY_TRY(const DataArray times, file.read("/state/time"));
   for (std::size_t row = 0; row < times.values.size(); ++row)
-    if (std::abs(times.values[row] - time) <= 1e-9 * (1.0 + std::abs(time))) return file.read_row("/outlet/number_rate", row);
+    if (std::abs(times.values[row] - time) <= 1e-9 * (1.0 + std::abs(time)))
+      return file.read_row("/outlet/number_rate", row);
   return std::vector<double>{};
 }
 
@@ -183,8 +186,8 @@ void pad(Rows& rows) {
 }
 
 /// Counts per speed bin over the windows after the grace time, at real sizes.
-Result<SpeedHistogram> speeds(const fs::path& folder, const std::string& which, const pbm::SpeedDistribution& fitted, double scale,
-                              double grace) {
+Result<SpeedHistogram> speeds(const fs::path& folder, const std::string& which, const pbm::SpeedDistribution& fitted,
+                              double scale, double grace) {
   GRANARY_TRY(const auto lines, json::LineReader(folder / "tallies.jsonl").next());
   SpeedHistogram histogram;
   histogram.ln_mean = fitted.ln_mean;
@@ -203,8 +206,8 @@ Result<SpeedHistogram> speeds(const fs::path& folder, const std::string& which, 
   return histogram;
 }
 
-Result<DemRates> rates_of(const BurstRecord& record, const coupling::MeasuredRates& measured, const fs::path& folder, bool orthokinetic,
-                          double grace) {
+Result<DemRates> rates_of(const BurstRecord& record, const coupling::MeasuredRates& measured, const fs::path& folder,
+                          bool orthokinetic, double grace) {
   DemRates rates;
   rates.burst = number_of(record);
   rates.measured = measured.summary.end_time - measured.summary.start_time;
@@ -214,7 +217,8 @@ Result<DemRates> rates_of(const BurstRecord& record, const coupling::MeasuredRat
   rates.collision_rate_error = measured.standard_error;
   rates.impact_rate = measured.rates.impact_rate;
   for (std::size_t p = 0; p < rates.impact_rate.size(); ++p)
-    rates.impact_rate_error.push_back(measured.impacts[p] > 0.0 ? rates.impact_rate[p] / std::sqrt(measured.impacts[p]) : kNone);
+    rates.impact_rate_error.push_back(measured.impacts[p] > 0.0 ? rates.impact_rate[p] / std::sqrt(measured.impacts[p])
+                                                                : kNone);
   const double scale = orthokinetic ? 1.0 / measured.coarse_graining : 1.0;
   GRANARY_TRY(rates.collision_speed, speeds(folder, "collision_speed", measured.rates.collision_speed, scale, grace));
   GRANARY_TRY(rates.impact_speed, speeds(folder, "impact_speed", measured.rates.impact_speed, 1.0, grace));
@@ -301,8 +305,12 @@ Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHa
   pad(results.dem.speed);
 
   for (const pilot::Interval& interval : record.timeline)
-    results.timeline.push_back({interval.name, interval.fill ? "estimation" : kind_of(interval.name), interval.attempt,
-                                {interval.cores.begin(), interval.cores.end()}, interval.start, interval.end});
+    results.timeline.push_back({interval.name,
+                                interval.fill ? "estimation" : kind_of(interval.name),
+                                interval.attempt,
+                                {interval.cores.begin(), interval.cores.end()},
+                                interval.start,
+                                interval.end});
   results.core_use = core_use(results.timeline, record.cores, record.wall);
   GRANARY_TRY(results.choices, choices_of(campaign, dir, record.state, results));
   return results;

@@ -19,12 +19,13 @@ struct RunRecord {
   std::vector<pilot::TaskEnd> ends;
   std::vector<pilot::Interval> timeline;
   int cores = 1;
-  double wall = 0.0;        ///< pilot time the campaign took [s]
+  double wall = 0.0;              ///< pilot time the campaign took [s]
   std::string started, finished;  ///< ISO 8601, UTC
 };
 
-/// Reads every burst that is over. A burst whose files are damaged is an error that names the file: results are whole or not at all.
-Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHandover& handover, const std::filesystem::path& dir,
-                                const RunRecord& record);
+/// Reads every burst that is over. A burst whose files are damaged is an error that names the file: results are whole
+/// or not at all.
+Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHandover& handover,
+                                const std::filesystem::path& dir, const RunRecord& record);
 
 }  // namespace granary::run

@@ -33,7 +33,8 @@ Status set_earlier_attempt_aside(const fs::path& folder, int attempt) {
   std::error_code code;
   if (attempt < 2 || fs::exists(aside) || !fs::exists(folder)) return {};
   fs::rename(folder, aside, code);
-  if (code) return Error{fmt::format("{}: cannot be set aside: {}.", folder.string(), code.message()), Exit::task_failed};
+  if (code)
+    return Error{fmt::format("{}: cannot be set aside: {}.", folder.string(), code.message()), Exit::task_failed};
   return {};
 }
 
@@ -86,7 +87,8 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   settings.budget = campaign_->dem.particles;
   settings.size_classes = campaign_->dem.size_classes;
   settings.fine_cut = campaign_->dem.fine_cut;
-  settings.largest_diameter = campaign_->dem.largest_diameter.value_or(dem::largest_particle(campaign_->dem_case.machine));
+  settings.largest_diameter =
+      campaign_->dem.largest_diameter.value_or(dem::largest_particle(campaign_->dem_case.machine));
   settings.compartment_edge = campaign_->compartment_edges;
   settings.solid_density = campaign_->pbm_case.materials.solid_density;
   settings.liquid_density = campaign_->pbm_case.materials.liquid_density;
@@ -111,7 +113,8 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   GRANARY_CHECK(json::write_file(folder(start.burst) / kSampled, coupling::to_json(sampled)));
 
   pilot::TaskSpec task;
-  task.command = {(programs_ / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
+  task.command = {
+      (programs_ / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
   task.ranks = burst.ranks;
   task.mpi = true;
   task.produces = {"restart.liggghts", "tallies.jsonl"};
@@ -134,8 +137,8 @@ Result<pilot::TaskSpec> FileHandover::prepare_pbm(const coupling::StartBurst& st
   GRANARY_CHECK(json::write_file(folder(start.burst) / "case.json", pbm::to_json(burst)));
 
   pilot::TaskSpec task;
-  task.command = {(programs_ / "granary-pbm").string(), "run", "case.json", "--out", "out.h5",
-                  "--threads", std::to_string(campaign_->pbm.threads)};
+  task.command = {(programs_ / "granary-pbm").string(),  "run", "case.json", "--out", "out.h5", "--threads",
+                  std::to_string(campaign_->pbm.threads)};
   task.ranks = campaign_->pbm.ranks;
   task.threads = campaign_->pbm.threads;
   task.produces = {"out.h5", "progress.jsonl"};
@@ -151,8 +154,13 @@ pilot::TaskSpec FileHandover::monitor_task(const BurstId& burst, int attempt) co
   task.priority = 10;
   task.dir = fs::path("bursts") / burst.folder();
   task.stop.grace = 20.0;
-  task.command = {(programs_ / "granary-monitor").string(), dem ? "dem" : "pbm", ".",
-                  "--threshold", fmt::format("{}", coupling.threshold), "--significance", fmt::format("{}", coupling.significance)};
+  task.command = {(programs_ / "granary-monitor").string(),
+                  dem ? "dem" : "pbm",
+                  ".",
+                  "--threshold",
+                  fmt::format("{}", coupling.threshold),
+                  "--significance",
+                  fmt::format("{}", coupling.significance)};
   if (dem) {
     task.command.insert(task.command.end(), {"--grace", fmt::format("{}", coupling.grace), "--steady-window",
                                              fmt::format("{}", coupling.steady_window)});
@@ -172,7 +180,8 @@ Result<monitor::Verdict> FileHandover::verdict(const BurstId&, const pilot::Task
   const json::Value line = last_line(out);
   if (line["verdict"].is_string()) return monitor::verdict_from_json(line);
   GRANARY_TRY(const std::string text, read_text(out));
-  return Error{fmt::format("the monitor {} ended with exit code {}: {}", monitor.name, monitor.exit_code, text), Exit::task_failed};
+  return Error{fmt::format("the monitor {} ended with exit code {}: {}", monitor.name, monitor.exit_code, text),
+               Exit::task_failed};
 }
 
 std::string FileHandover::last_words(const pilot::TaskEnd& program) {
@@ -185,7 +194,8 @@ std::string FileHandover::last_words(const pilot::TaskEnd& program) {
   for (std::string line; std::getline(in, line);)
     if (line.rfind("-----", 0) != 0 && !line.empty()) lines.push_back(line);
   std::string said = program.reason;
-  for (std::size_t i = lines.size() > kLines ? lines.size() - kLines : 0; i < lines.size(); ++i) said += "\n" + lines[i];
+  for (std::size_t i = lines.size() > kLines ? lines.size() - kLines : 0; i < lines.size(); ++i)
+    said += "\n" + lines[i];
   return said;
 }
 
@@ -216,9 +226,15 @@ coupling::Settings coupling_settings(const campaign::Campaign& campaign) {
   const auto& from = campaign.coupling;
   coupling::Settings to;
   switch (from.mode) {
-    case campaign::CouplingSettings::Mode::two_way: to.mode = coupling::Mode::two_way; break;
-    case campaign::CouplingSettings::Mode::one_way: to.mode = coupling::Mode::one_way; break;
-    case campaign::CouplingSettings::Mode::pbm_only: to.mode = coupling::Mode::pbm_only; break;
+    case campaign::CouplingSettings::Mode::two_way:
+      to.mode = coupling::Mode::two_way;
+      break;
+    case campaign::CouplingSettings::Mode::one_way:
+      to.mode = coupling::Mode::one_way;
+      break;
+    case campaign::CouplingSettings::Mode::pbm_only:
+      to.mode = coupling::Mode::pbm_only;
+      break;
   }
   to.threshold = from.threshold;
   to.steady_window = from.steady_window;

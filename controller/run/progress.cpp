@@ -21,7 +21,8 @@ std::string name_of(const coupling::BurstId& burst) {
 std::string bar(double share) {
   constexpr int kWidth = 20;
   const int full = std::clamp(static_cast<int>(share * kWidth + 0.5), 0, kWidth);
-  return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
+  return "[" + std::string(static_cast<std::size_t>(full), '#') +
+         std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
 }
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -54,15 +55,19 @@ void Progress::event(const coupling::Event& event) {
   }
   if (const auto* stop = std::get_if<coupling::StopAsked>(&event)) say("stopping: " + stop->message);
   if (dir_.empty()) return;  // what a dry run exchanges is made up
-  if (const auto* spoke = std::get_if<coupling::MonitorSpoke>(&event); spoke && spoke->verdict.outcome != monitor::Outcome::ended)
-    say(fmt::format("{}: {}: {}", name_of(spoke->burst), monitor::name(spoke->verdict.outcome), spoke->verdict.message));
+  if (const auto* spoke = std::get_if<coupling::MonitorSpoke>(&event);
+      spoke && spoke->verdict.outcome != monitor::Outcome::ended)
+    say(fmt::format("{}: {}: {}", name_of(spoke->burst), monitor::name(spoke->verdict.outcome),
+                    spoke->verdict.message));
   if (const auto* dem = std::get_if<coupling::DemExchanged>(&event))
-    say(fmt::format("{} gives {:.3g} collisions and {:.3g} impacts per particle and second ({:.0f} and {:.0f} counted)", name_of(dem->burst),
-                    dem->summary.collision_frequency, dem->summary.impact_frequency, dem->summary.collisions, dem->summary.impacts));
+    say(fmt::format("{} gives {:.3g} collisions and {:.3g} impacts per particle and second ({:.0f} and {:.0f} counted)",
+                    name_of(dem->burst), dem->summary.collision_frequency, dem->summary.impact_frequency,
+                    dem->summary.collisions, dem->summary.impacts));
   if (const auto* pbm = std::get_if<coupling::PbmExchanged>(&event); pbm && !pbm->summary.d50.empty())
     say(fmt::format("{} gives d50 {:.1f} to {:.1f} um, {:.3e} particles at {:.2f} s", name_of(pbm->burst),
                     1e6 * *std::min_element(pbm->summary.d50.begin(), pbm->summary.d50.end()),
-                    1e6 * *std::max_element(pbm->summary.d50.begin(), pbm->summary.d50.end()), sum(pbm->summary.number), pbm->summary.time));
+                    1e6 * *std::max_element(pbm->summary.d50.begin(), pbm->summary.d50.end()), sum(pbm->summary.number),
+                    pbm->summary.time));
 }
 
 void Progress::action(const coupling::Action& action) {
@@ -88,8 +93,8 @@ std::string Progress::burst_progress() {
   if (lines && !lines->empty()) last_ = lines->back();
   const double now = last_.number_or("time_s", running_->start_time);
   const double share = running_->longest > 0.0 ? (now - running_->start_time) / running_->longest : 0.0;
-  std::string text = fmt::format("{} {} {:.3f} s of {:.4g} to {:.4g} s", name_of(running_->burst), bar(share), now, running_->start_time,
-                                 running_->start_time + running_->longest);
+  std::string text = fmt::format("{} {} {:.3f} s of {:.4g} to {:.4g} s", name_of(running_->burst), bar(share), now,
+                                 running_->start_time, running_->start_time + running_->longest);
   if (running_->burst.kind == Kind::pbm) {
     const auto d50 = last_.numbers("d50_m");
     if (!d50.empty()) text += fmt::format(", d50 at the outlet end {:.1f} um", 1e6 * d50.back());

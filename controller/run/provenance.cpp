@@ -33,7 +33,8 @@ std::string processor() {
 std::string host() {
   char name[256] = "unknown";
   ::gethostname(name, sizeof name - 1);
-  const double gigabytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 1e9;
+  const double gigabytes =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 1e9;
   return fmt::format("{}: {} cores of {}, {:.0f} GB", name, ::sysconf(_SC_NPROCESSORS_ONLN), processor(), gigabytes);
 }
 
@@ -48,7 +49,8 @@ std::string iso_time(double wall_time) {
   return text;
 }
 
-Result<Provenance> provenance_of(const campaign::Campaign& campaign, const fs::path& dir, const coupling::State& state) {
+Result<Provenance> provenance_of(const campaign::Campaign& campaign, const fs::path& dir,
+                                 const coupling::State& state) {
   Provenance provenance;
   provenance.name = campaign.name;
   provenance.kind = "coupled";
@@ -64,7 +66,8 @@ Result<Provenance> provenance_of(const campaign::Campaign& campaign, const fs::p
   for (const auto& over : state.bursts) {
     if (over.burst.kind != coupling::Kind::dem) continue;
     GRANARY_TRY(const auto burst, json::read_file(dir / "bursts" / over.burst.folder() / "case.json"));
-    provenance.seeds.push_back({fmt::format("dem burst {} attempt {}", over.burst.round, over.attempt), burst.integer_or("seed", 0)});
+    provenance.seeds.push_back(
+        {fmt::format("dem burst {} attempt {}", over.burst.round, over.attempt), burst.integer_or("seed", 0)});
   }
   return provenance;
 }

@@ -10,7 +10,8 @@
 namespace granary::run {
 
 /// Everything but started and finished.
-Result<Provenance> provenance_of(const campaign::Campaign& campaign, const std::filesystem::path& dir, const coupling::State& state);
+Result<Provenance> provenance_of(const campaign::Campaign& campaign, const std::filesystem::path& dir,
+                                 const coupling::State& state);
 
 /// [s] since 1970 as ISO 8601, UTC: "2026-11-22T03:00:00Z".
 std::string iso_time(double wall_time);

@@ -28,13 +28,16 @@ Result<BurstTasks> SimulatedHandover::prepare(const coupling::StartBurst& start)
     const double classes = campaign_->pbm_case.grid.bins[0] * campaign_->pbm_case.grid.bins[1];
     const double pairs = 0.5 * classes * (classes + 1.0) * campaign_->pbm_case.compartments.count;
     const int cores = campaign_->pbm.ranks * campaign_->pbm.threads;
-    plan.seconds_per_second = cost.pbm_rates_per_second * pairs * cost.pbm_per_pair / effective_cores(cores, cost.parallel_loss);
+    plan.seconds_per_second =
+        cost.pbm_rates_per_second * pairs * cost.pbm_per_pair / effective_cores(cores, cost.parallel_loss);
     plan.start_up = cost.pbm_start;
     plan.says_after = cost.pbm_drift_after;
   }
   // Once nothing moves any more the monitor has nothing to report before the burst's own end.
   const bool moves = start.watch_drift && !settled(start.burst) && plan.says_after < start.longest;
-  plan.says = moves ? monitor::Outcome::drifted : settled(start.burst) ? monitor::Outcome::steady : monitor::Outcome::ended;
+  plan.says = moves                  ? monitor::Outcome::drifted
+              : settled(start.burst) ? monitor::Outcome::steady
+                                     : monitor::Outcome::ended;
   if (!moves) plan.says_after = start.longest;
 
   BurstTasks tasks;
@@ -86,7 +89,9 @@ std::optional<double> SimulatedHandover::clock(const coupling::BurstId&, const p
 Result<monitor::Verdict> SimulatedHandover::verdict(const coupling::BurstId&, const pilot::TaskEnd& monitor) {
   const Plan& plan = plans_.at(monitor.name);
   monitor::Verdict verdict;
-  verdict.outcome = monitor.state == pilot::TaskState::stopped && plan.says == monitor::Outcome::drifted ? monitor::Outcome::ended : plan.says;
+  verdict.outcome = monitor.state == pilot::TaskState::stopped && plan.says == monitor::Outcome::drifted
+                        ? monitor::Outcome::ended
+                        : plan.says;
   verdict.burst_start = plan.start.start_time;
   verdict.time = plan.start.start_time + plan.says_after;
   verdict.change = verdict.outcome == monitor::Outcome::drifted ? campaign_->coupling.threshold : 0.0;
@@ -113,7 +118,8 @@ Result<coupling::DemSummary> SimulatedHandover::carry_dem(const coupling::Exchan
 Result<coupling::PbmSummary> SimulatedHandover::carry_pbm(const coupling::Exchange& exchange) {
   const double level = std::pow(2.0, std::min(exchange.burst.round, campaign_->cost_model.rounds_until_steady));
   const auto count = static_cast<std::size_t>(campaign_->pbm_case.compartments.count);
-  return coupling::PbmSummary{exchange.time, std::vector<double>(count, level), std::vector<double>(count, 1.0 / level)};
+  return coupling::PbmSummary{exchange.time, std::vector<double>(count, level),
+                              std::vector<double>(count, 1.0 / level)};
 }
 
 }  // namespace granary::run

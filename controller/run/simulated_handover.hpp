@@ -11,8 +11,9 @@ namespace granary::run {
 
 /// Cost model: a DEM burst takes
 ///   start-up + steps (per_step + particles per_particle_step / (ranks efficiency)),
-/// a PBM burst start-up + process time * rates per second * compartments * pairs * per_pair / (ranks threads efficiency);
-/// efficiency = (1 - parallel_loss)^log2(n). Monitors speak at the model's drift times; after rounds_until_steady nothing moves.
+/// a PBM burst start-up + process time * rates per second * compartments * pairs * per_pair / (ranks threads
+/// efficiency); efficiency = (1 - parallel_loss)^log2(n). Monitors speak at the model's drift times; after
+/// rounds_until_steady nothing moves.
 class SimulatedHandover final : public Handover {
  public:
   explicit SimulatedHandover(const campaign::Campaign& campaign) : campaign_(&campaign) {}
@@ -34,10 +35,12 @@ class SimulatedHandover final : public Handover {
     double seconds_per_second = 0.0;  ///< wall time for a second of the burst's clock
     double start_up = 0.0;            ///< [s]
     monitor::Outcome says = monitor::Outcome::ended;
-    double says_after = 0.0;          ///< on the burst's clock, since its start [s]
+    double says_after = 0.0;  ///< on the burst's clock, since its start [s]
   };
 
-  bool settled(const coupling::BurstId& burst) const { return burst.round >= campaign_->cost_model.rounds_until_steady; }
+  bool settled(const coupling::BurstId& burst) const {
+    return burst.round >= campaign_->cost_model.rounds_until_steady;
+  }
 
   const campaign::Campaign* campaign_;
   std::map<std::string, Plan> plans_;  ///< by task name, program and monitor

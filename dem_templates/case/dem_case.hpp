@@ -23,7 +23,7 @@ struct HorizontalMixer {
   int feed_elements = 4;             ///< paddles under the inlet
   int shear_elements = 20;
   int exit_elements = 4;
-  bool outlet_open = true;            ///< false: nothing leaves; a snapshot of the hold-up
+  bool outlet_open = true;  ///< false: nothing leaves; a snapshot of the hold-up
 };
 
 /// Vertical batch bowl with a bladed impeller at the bottom and a chopper in the side wall. Axis = z.

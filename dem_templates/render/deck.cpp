@@ -22,7 +22,6 @@ namespace {
 bool turns(const Body& body) { return body.rotation && body.rotation->speed != 0.0; }
 bool nothing_turns(const std::vector<Body>& all) { return std::none_of(all.begin(), all.end(), turns); }
 
-
 namespace fs = std::filesystem;
 
 constexpr long kGuardEvery = 50;   // steps between the guard's looks
@@ -110,8 +109,8 @@ Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all)
   std::string resize_meshes, tally_bodies;
   for (const Body& body : all) {
     resize_meshes += " mesh " + body.name;
-    // A particle that slides along the shell touches facet after facet of its polygon: so many glancing touches, the more the finer
-    // the mesh, are no impacts. Those that break granules are the rotors'.
+    // A particle that slides along the shell touches facet after facet of its polygon: so many glancing touches, the
+    // more the finer the mesh, are no impacts. Those that break granules are the rotors'.
     if (turns(body) || nothing_turns(all)) tally_bodies += fmt::format(" &\n          body {0} mesh {0}", body.name);
   }
   std::vector<double> edges{c.population.front().from};

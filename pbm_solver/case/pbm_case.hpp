@@ -1,5 +1,6 @@
-// One population balance as granary-pbm runs it: all SI, all defaults filled in. Plain data, also used by the controller.
-// The file form (case.json) and each member's meaning and unit: docs/exchange_formats.md. Equations: docs/pbm_equations.md.
+// One population balance as granary-pbm runs it: all SI, all defaults filled in. Plain data, also used by the
+// controller. The file form (case.json) and each member's meaning and unit: docs/exchange_formats.md. Equations:
+// docs/pbm_equations.md.
 #pragma once
 
 #include <array>
@@ -13,19 +14,20 @@
 
 namespace granary::pbm {
 
-/// Pivots s_k,i = smallest_k * ratio_k^(i-1): solid volume of component k in a particle [m^3]. Component 0 is the API, 1 the
-/// excipient.
+/// Pivots s_k,i = smallest_k * ratio_k^(i-1): solid volume of component k in a particle [m^3]. Component 0 is the API,
+/// 1 the excipient.
 struct Grid {
   std::array<int, 2> bins{16, 16};
   std::array<double, 2> smallest{5e-16, 5e-16};  ///< [m^3]
   std::array<double, 2> ratio{3.0, 3.0};         ///< > 1
 };
 
-/// Compartments in a row along the axis; outflow of each into the next (the last: the outlet) at rate k = count / residence_time.
+/// Compartments in a row along the axis; outflow of each into the next (the last: the outlet) at rate k = count /
+/// residence_time.
 struct Compartments {
   int count = 1;
-  std::vector<double> volume;               ///< bed (geometric) volume of each [m^3], shape (count)
-  std::optional<double> residence_time;     ///< of the whole row [s]; none: no flow at all (batch)
+  std::vector<double> volume;            ///< bed (geometric) volume of each [m^3], shape (count)
+  std::optional<double> residence_time;  ///< of the whole row [s]; none: no flow at all (batch)
 };
 
 struct Materials {
@@ -36,22 +38,22 @@ struct Materials {
 };
 
 struct ClassRate {
-  int i = 0, j = 0;            ///< class indices from 0
-  double rate = 0.0;           ///< feed: particles/s; initial state: particles
+  int i = 0, j = 0;   ///< class indices from 0
+  double rate = 0.0;  ///< feed: particles/s; initial state: particles
 };
 
 struct Feed {
   std::vector<ClassRate> classes;
-  double porosity = 0.0;       ///< of the fed particles: gas = solid porosity/(1-porosity)
-  double start = 0.0;          ///< [s] process time
-  double end = 1e300;          ///< [s]
+  double porosity = 0.0;  ///< of the fed particles: gas = solid porosity/(1-porosity)
+  double start = 0.0;     ///< [s] process time
+  double end = 1e300;     ///< [s]
 };
 
 struct Spray {
-  double rate = 0.0;           ///< liquid volume per time [m^3/s]
-  int compartment = 0;         ///< from 0
-  double start = 0.0;          ///< [s]
-  double end = 1e300;          ///< [s]
+  double rate = 0.0;    ///< liquid volume per time [m^3/s]
+  int compartment = 0;  ///< from 0
+  double start = 0.0;   ///< [s]
+  double end = 1e300;   ///< [s]
 };
 
 /// Log-normal distribution of speeds: mean and standard deviation of ln U, U in m/s.
@@ -64,58 +66,60 @@ struct SpeedDistribution {
 struct DemRates {
   std::vector<double> diameter;                     ///< class centres [m], ascending, shape (n_classes)
   std::vector<std::vector<double>> collision_rate;  ///< C_pq [m^3/s], symmetric, shape (n_classes, n_classes)
-  std::vector<double> compartment_factor;           ///< multiplies C and the impact rate in each compartment, shape (count)
-  std::vector<double> impact_rate;                  ///< impacts per particle and time with walls and blades [1/s], shape (n_classes)
-  SpeedDistribution collision_speed;                ///< relative normal speed at first touch
+  std::vector<double> compartment_factor;  ///< multiplies C and the impact rate in each compartment, shape (count)
+  std::vector<double> impact_rate;    ///< impacts per particle and time with walls and blades [1/s], shape (n_classes)
+  SpeedDistribution collision_speed;  ///< relative normal speed at first touch
   SpeedDistribution impact_speed;
 };
 
 struct Efficiency {
   enum class Model { constant, wet, stokes };
   Model model = Model::constant;
-  double value = 1.0;                 ///< constant: psi; wet: psi where both are wet
-  double least_liquid_fraction = 0.2; ///< wet: l_ext/V of each partner at least
-  double restitution = 0.2;           ///< stokes: e
-  double asperity = 5e-6;             ///< stokes: h_a [m]
+  double value = 1.0;                  ///< constant: psi; wet: psi where both are wet
+  double least_liquid_fraction = 0.2;  ///< wet: l_ext/V of each partner at least
+  double restitution = 0.2;            ///< stokes: e
+  double asperity = 5e-6;              ///< stokes: h_a [m]
 };
 
-/// beta = rate * C * psi / V_compartment. constant: C = 1 m^3/s; sum: C = v + v' in units of reference_volume; product likewise;
-/// shear: C = (d + d')^3; dem: DemRates, log-interpolated in diameter.
+/// beta = rate * C * psi / V_compartment. constant: C = 1 m^3/s; sum: C = v + v' in units of reference_volume; product
+/// likewise; shear: C = (d + d')^3; dem: DemRates, log-interpolated in diameter.
 struct Aggregation {
   enum class Kernel { constant, sum, product, shear, dem };
   Kernel kernel = Kernel::constant;
-  double rate = 1.0;                  ///< beta_0
+  double rate = 1.0;  ///< beta_0
   Efficiency efficiency;
 };
 
-/// K_br = rate * C_imp * P(U > U_br). constant: C_imp P = 1/s; linear: C_imp P = v / reference_volume (for exact solutions); impact: DEM.
+/// K_br = rate * C_imp * P(U > U_br). constant: C_imp P = 1/s; linear: C_imp P = v / reference_volume (for exact
+/// solutions); impact: DEM.
 struct Breakage {
   enum class Selection { constant, linear, impact };
   enum class Daughters { uniform_binary, halves, same_composition };
   Selection selection = Selection::impact;
   Daughters daughters = Daughters::uniform_binary;
-  double rate = 1.0;                           ///< k_br [-]
-  double critical_stokes_deformation = 0.2;    ///< St*_def
-  double primary_diameter = 12.4e-6;           ///< d_pp [m]
+  double rate = 1.0;                         ///< k_br [-]
+  double critical_stokes_deformation = 0.2;  ///< St*_def
+  double primary_diameter = 12.4e-6;         ///< d_pp [m]
 };
 
 struct Consolidation {
-  double rate = 0.0;                  ///< c nu^omega [1/s]
-  double least_porosity = 0.2;        ///< eps_min
+  double rate = 0.0;            ///< c nu^omega [1/s]
+  double least_porosity = 0.2;  ///< eps_min
 };
 
-/// Where a run starts: empty, given classes (every compartment alike unless `compartment` >= 0), or a state of an earlier run.
+/// Where a run starts: empty, given classes (every compartment alike unless `compartment` >= 0), or a state of an
+/// earlier run.
 struct InitialClass {
   int compartment = -1;
   int i = 0, j = 0;
-  double number = 0.0;                ///< particles in that compartment
-  double liquid = 0.0;                ///< total liquid of these particles [m^3]
-  double gas = 0.0;                   ///< total gas of these particles [m^3]
+  double number = 0.0;  ///< particles in that compartment
+  double liquid = 0.0;  ///< total liquid of these particles [m^3]
+  double gas = 0.0;     ///< total gas of these particles [m^3]
 };
 
 struct Restart {
-  std::filesystem::path file;         ///< out.h5 or checkpoint.h5 of an earlier run
-  std::optional<double> time;         ///< the state at this output time; none: the last
+  std::filesystem::path file;  ///< out.h5 or checkpoint.h5 of an earlier run
+  std::optional<double> time;  ///< the state at this output time; none: the last
 };
 
 struct PbmCase {
@@ -131,11 +135,11 @@ struct PbmCase {
   std::optional<Consolidation> consolidation;
   std::vector<InitialClass> initial;
   std::optional<Restart> restart;
-  double start_time = 0.0;            ///< [s]; with a restart: the restart's time is used
-  double end_time = 1.0;              ///< [s]
-  double output_every = 0.2;          ///< [s] of process time: progress line, state in the output file
-  double relative_tolerance = 1e-3;   ///< local error of a step, volume-weighted
-  double reference_volume = 1.0;      ///< [m^3]: unit of v in the sum, product and linear rates
+  double start_time = 0.0;           ///< [s]; with a restart: the restart's time is used
+  double end_time = 1.0;             ///< [s]
+  double output_every = 0.2;         ///< [s] of process time: progress line, state in the output file
+  double relative_tolerance = 1e-3;  ///< local error of a step, volume-weighted
+  double reference_volume = 1.0;     ///< [m^3]: unit of v in the sum, product and linear rates
 };
 
 /// From a parsed case.json; every problem at once. `file` opens the messages.

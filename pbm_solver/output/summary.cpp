@@ -17,7 +17,8 @@ Quantiles quantiles_of(const ClassGrid& grid, Fields f) {
     diameter.push_back(sphere_diameter(volume.back() / f.number[k]));
   }
   const double width = log_width_of_pivots(grid.axis(0).pivots(), grid.axis(1).pivots());
-  return {quantile(diameter, volume, 0.1, width), quantile(diameter, volume, 0.5, width), quantile(diameter, volume, 0.9, width)};
+  return {quantile(diameter, volume, 0.1, width), quantile(diameter, volume, 0.5, width),
+          quantile(diameter, volume, 0.9, width)};
 }
 
 void add_outlet(const PbmCase& c, const ClassGrid& grid, Fields last, Summary& s) {

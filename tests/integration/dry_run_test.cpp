@@ -42,8 +42,10 @@ TEST(DryRun, NeverGivesACoreToTwoTasksAtOnce) {
         by_core[core.as_integer()].push_back({entry.number_or("start_s", 0.0), entry.number_or("end_s", 0.0)});
     EXPECT_FALSE(by_core.empty()) << file;
     for (auto& [core, stretches] : by_core) {
-      std::sort(stretches.begin(), stretches.end(), [](const Stretch& a, const Stretch& b) { return a.start < b.start; });
-      for (std::size_t i = 1; i < stretches.size(); ++i) EXPECT_LE(stretches[i - 1].end, stretches[i].start + 1e-9) << file << " core " << core;
+      std::sort(stretches.begin(), stretches.end(),
+                [](const Stretch& a, const Stretch& b) { return a.start < b.start; });
+      for (std::size_t i = 1; i < stretches.size(); ++i)
+        EXPECT_LE(stretches[i - 1].end, stretches[i].start + 1e-9) << file << " core " << core;
     }
   }
 }
@@ -51,9 +53,10 @@ TEST(DryRun, NeverGivesACoreToTwoTasksAtOnce) {
 TEST(DryRun, NeedsNeitherLiggghtsNorMpiAndWritesNothing) {
   const Scratch scratch;
   // env -i: no PATH to find any program by.
-  const auto output = pilot::run_program({"/usr/bin/env", "-i", "-C", scratch.path().string(), (kPrograms / "granary").string(), "run",
-                                          (kSource / "workflows/quick.json").string(), "--dry-run"},
-                                         "", 10.0);
+  const auto output =
+      pilot::run_program({"/usr/bin/env", "-i", "-C", scratch.path().string(), (kPrograms / "granary").string(), "run",
+                          (kSource / "workflows/quick.json").string(), "--dry-run"},
+                         "", 10.0);
   ASSERT_TRUE(output);
   EXPECT_EQ(0, output->exit_code) << output->err;
   EXPECT_THAT(output->out, testing::HasSubstr("0001-dem"));
@@ -69,8 +72,8 @@ TEST(DryRun, RefusesAMachineTooSmallForATask) {
 
 TEST(Run, SaysEverythingThatIsWrongAtOnceAndMakesNoFolder) {
   const Scratch scratch;
-  const auto output = granary({"run", (kSource / "workflows/quick.json").string(), "--dir", (scratch / "run").string(), "--set",
-                               "/dem/time_step=\"5 kg\"", "--set", "/coupling/threshold=-1"});
+  const auto output = granary({"run", (kSource / "workflows/quick.json").string(), "--dir", (scratch / "run").string(),
+                               "--set", "/dem/time_step=\"5 kg\"", "--set", "/coupling/threshold=-1"});
   EXPECT_EQ(2, output.exit_code);
   EXPECT_THAT(output.err, testing::HasSubstr("/dem/time_step is \"5 kg\""));
   EXPECT_THAT(output.err, testing::HasSubstr("/coupling/threshold is -1"));
@@ -92,7 +95,8 @@ TEST(Resume, SaysThatThereIsNothingToResume) {
 
 TEST(Tasks, RunAListToItsEnd) {
   const Scratch scratch;
-  const auto summary = granary_json({"run", (kSource / "workflows/tasks.json").string(), "--dir", (scratch / "run").string(), "--json"});
+  const auto summary =
+      granary_json({"run", (kSource / "workflows/tasks.json").string(), "--dir", (scratch / "run").string(), "--json"});
   EXPECT_EQ(0, summary.integer_or("failed", -1));
   EXPECT_GT(summary.integer_or("finished", 0), 0);
 }

@@ -16,10 +16,18 @@ namespace {
 
 /// The quick workflow, made smaller: few particles, short bursts, two rounds.
 std::vector<std::string> small_campaign(const fs::path& dir) {
-  return {"run", (kSource / "workflows/quick.json").string(), "--dir", dir.string(), "--json", "--quiet",
-          "--set", "/dem/particles=500", "--set", "/process/residence_time=\"2 s\"", "--set", "/dem/longest_burst=\"40 ms\"", "--set", "/dem/settle=\"10 ms\"",
-          "--set", "/coupling/grace=\"10 ms\"", "--set", "/coupling/steady_window=\"20 ms\"", "--set", "/coupling/least_rounds=2",
-          "--set", "/coupling/most_rounds=2", "--set", "/pbm/longest_burst=\"2 s\""};
+  return {"run",    (kSource / "workflows/quick.json").string(),
+          "--dir",  dir.string(),
+          "--json", "--quiet",
+          "--set",  "/dem/particles=500",
+          "--set",  "/process/residence_time=\"2 s\"",
+          "--set",  "/dem/longest_burst=\"40 ms\"",
+          "--set",  "/dem/settle=\"10 ms\"",
+          "--set",  "/coupling/grace=\"10 ms\"",
+          "--set",  "/coupling/steady_window=\"20 ms\"",
+          "--set",  "/coupling/least_rounds=2",
+          "--set",  "/coupling/most_rounds=2",
+          "--set",  "/pbm/longest_burst=\"2 s\""};
 }
 
 std::vector<pilot::Record> journal_of(const fs::path& dir) {

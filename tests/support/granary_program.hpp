@@ -23,7 +23,8 @@ class Scratch {
  public:
   Scratch() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::temp_directory_path() / ("granary_" + std::string(info->test_suite_name()) + "_" + info->name() + "_" + std::to_string(::getpid()));
+    path_ = fs::temp_directory_path() /
+            ("granary_" + std::string(info->test_suite_name()) + "_" + info->name() + "_" + std::to_string(::getpid()));
     fs::remove_all(path_);
     fs::create_directories(path_);
   }
@@ -46,7 +47,8 @@ inline pilot::ProgramOutput granary(std::vector<std::string> arguments, double t
 }
 
 /// stdout as the JSON document it must be.
-inline json::Value granary_json(const std::vector<std::string>& arguments, double timeout_s = 240.0, int exit_code = 0) {
+inline json::Value granary_json(const std::vector<std::string>& arguments, double timeout_s = 240.0,
+                                int exit_code = 0) {
   const auto output = granary(arguments, timeout_s);
   EXPECT_EQ(exit_code, output.exit_code) << output.err;
   auto value = json::parse(output.out, "stdout");

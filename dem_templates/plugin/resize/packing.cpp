@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kFarthestMove = 0.25;  // of its radius, per sweep
 constexpr double kSkin = 0.3;           // of the mean radius: how far neighbours are looked for beyond touching
-constexpr int kPatience = 400;  // sweeps without a gain: what is left is trapped
+constexpr int kPatience = 400;          // sweeps without a gain: what is left is trapped
 constexpr double kGain = 0.95;
 constexpr int kSweepsBetweenChecks = 5;
 

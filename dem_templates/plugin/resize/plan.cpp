@@ -96,8 +96,8 @@ struct Places {
   }
 };
 
-// Spheres that pushing cannot free (grown between a blade's tip and the casing, say) get another place in their compartment: all that
-// overlap by more than `bound`. False if there is no place for one.
+// Spheres that pushing cannot free (grown between a blade's tip and the casing, say) get another place in their
+// compartment: all that overlap by more than `bound`. False if there is no place for one.
 bool move_trapped(Places& places, double largest, double bound, std::uint64_t seed) {
   Places fresh{places.space, places.axis, SphereGrid(places.space.low(), places.space.high(), largest), places.spheres};
   std::vector<std::size_t> trapped;

@@ -83,11 +83,13 @@ TEST(LineWriter, SaysThatTheDiskIsFull) {
   auto writer = LineWriter::append_to("/dev/full").value();
   const auto result = writer.append(Value::object({{"a", 1}}));
   ASSERT_FALSE(result);
-  EXPECT_THAT(result.error().message, testing::HasSubstr("/dev/full: cannot be written: No space left on device. Free some space"));
+  EXPECT_THAT(result.error().message,
+              testing::HasSubstr("/dev/full: cannot be written: No space left on device. Free some space"));
 }
 
 TEST(Reader, ReportsEveryProblemAtOnce) {
-  const Value document = parsed(R"({"time_step": "5 kg", "frction": 0.5, "count": 1.5, "kind": "tow-way", "share": 2})");
+  const Value document =
+      parsed(R"({"time_step": "5 kg", "frction": 0.5, "count": 1.5, "kind": "tow-way", "share": 2})");
   Problems problems;
   Reader reader(document, "wet.json", problems);
 
@@ -132,11 +134,13 @@ TEST(Reader, RefusesABareNumberWhereAQuantityIsWanted) {
 }
 
 TEST(Schema, PointsAtTheValueItRefuses) {
-  const Value schema = parsed(R"({"type": "object", "properties": {"dem": {"type": "object", "properties": {"n": {"type": "integer"}}}}})");
+  const Value schema = parsed(
+      R"({"type": "object", "properties": {"dem": {"type": "object", "properties": {"n": {"type": "integer"}}}}})");
   Problems problems;
   ASSERT_TRUE(validate(parsed(R"({"dem": {"n": "many"}})"), schema, "wet.json", problems));
-  const bool found = std::any_of(problems.list().begin(), problems.list().end(),
-                                 [](const Problem& problem) { return problem.pointer == "/dem/n" && problem.value == "\"many\""; });
+  const bool found = std::any_of(problems.list().begin(), problems.list().end(), [](const Problem& problem) {
+    return problem.pointer == "/dem/n" && problem.value == "\"many\"";
+  });
   EXPECT_TRUE(found) << problems.error().message;
 }
 

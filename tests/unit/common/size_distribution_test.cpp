@@ -35,7 +35,8 @@ TEST(Quantile, MovesContinuouslyWithTheWeights) {
 TEST(Quantile, DoesNotJumpWhereAThinClassPassesAThickOne) {
   double last = 0.0;
   for (double thin = 1.9e-3; thin < 2.1e-3; thin += 1e-6) {
-    const double now = quantile(std::vector<double>{1e-3, 2e-3, thin, 4e-3}, std::vector<double>{1.0, 2.0, 0.01, 1.0}, 0.5, kWidth);
+    const double now =
+        quantile(std::vector<double>{1e-3, 2e-3, thin, 4e-3}, std::vector<double>{1.0, 2.0, 0.01, 1.0}, 0.5, kWidth);
     if (last > 0.0) {
       EXPECT_LT(std::abs(now - last), 1e-8);
     }
@@ -50,7 +51,8 @@ TEST(Quantile, IgnoresEmptyClassesAndIsZeroWithoutWeight) {
 }
 
 TEST(LogWidth, IsThatOfTheFinestAxis) {
-  EXPECT_NEAR(std::log(2.0) / 3.0, log_width_of_pivots(std::vector<double>{1.0, 3.0, 9.0}, std::vector<double>{1.0, 2.0}), 1e-15);
+  EXPECT_NEAR(std::log(2.0) / 3.0,
+              log_width_of_pivots(std::vector<double>{1.0, 3.0, 9.0}, std::vector<double>{1.0, 2.0}), 1e-15);
   EXPECT_NEAR(std::log(3.0) / 3.0, log_width_of_pivots(std::vector<double>{1.0, 3.0}, std::vector<double>{0.0}), 1e-15);
 }
 
