@@ -407,7 +407,7 @@ Result<HoldUp> starting_hold_up(const pbm::PbmCase& pbm_case) {
     return Error{
         "the process starts empty and nothing flows in, so the first DEM burst would have nothing to stir. Give the "
         "PBM initial classes "
-        "(/pbm/initial), or a feed (/pbm/feed) and a residence time (/pbm/compartments/residence_time)."};
+        "(/charge), or a feed (/feed) and a residence time (/process/residence_time)."};
   const double stay = *pbm_case.compartments.residence_time / static_cast<double>(n_x);
   const double gas_per_solid = pbm_case.feed->porosity / (1.0 - pbm_case.feed->porosity);
   for (const pbm::ClassRate& fed : pbm_case.feed->classes) {

@@ -190,7 +190,7 @@ Status check(const Tallies& tallies, const std::vector<const TallyWindow*>& wind
   if (windows.empty())
     return Error{fmt::format(
         "no DEM window begins after the grace time of {:.6g} s (the burst has {} windows). Make the burst longer "
-        "(/coupling/longest_dem_burst) or the grace time shorter (/coupling/grace).",
+        "(/dem/longest_burst) or the grace time shorter (/coupling/grace).",
         settings.grace, tallies.windows.size())};
   double particles = 0.0, collisions = 0.0;
   for (const TallyWindow* window : windows) {
@@ -202,7 +202,7 @@ Status check(const Tallies& tallies, const std::vector<const TallyWindow*>& wind
   if (!(collisions > 0.0))
     return Error{
         fmt::format("no collision was counted in {} DEM windows, so there is no collision rate. Make the burst longer "
-                    "(/coupling/longest_dem_burst) or give the DEM more particles (/dem/particles).",
+                    "(/dem/longest_burst) or give the DEM more particles (/dem/particles).",
                     windows.size())};
   return {};
 }

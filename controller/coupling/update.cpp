@@ -36,9 +36,12 @@ class Update {
   }
 
   void operator()(const Resumed&) {
-    if (s_.phase == Phase::ended && s_.ended != End::How::stopped) return;
+    if (s_.ended == End::How::steady || s_.ended == End::How::limit) return;
+    // Stopped, failed (a full disk, a lost node) or cut off: what was asked for last is asked for again.
+    const bool handing_over = s_.phase == Phase::exchanging || (s_.phase == Phase::ended && is_over(s_.burst));
     s_.stop_asked = false;
     s_.stop_message.clear();
+    s_.failure.clear();
     s_.ended.reset();
     s_.why_ended = {};
     const bool nothing_yet = s_.attempt == 0 && s_.bursts.empty();
@@ -47,9 +50,11 @@ class Update {
       return (*this)(Began{});
     }
     const Why why{"resumed", "the campaign goes on from " + s_.burst.folder(), json::Value::object()};
-    if (!s_.failure.empty()) return end(End::How::failed, {"failed", s_.failure, json::Value::object()});
     if (s_.phase == Phase::closing) return ask(AskMonitor{s_.burst, s_.attempt, why});
-    if (s_.phase == Phase::exchanging) return ask(Exchange{s_.burst, s_.attempt, s_.bursts.back().end_time, why});
+    if (handing_over) {
+      s_.phase = Phase::exchanging;
+      return ask(Exchange{s_.burst, s_.attempt, s_.bursts.back().end_time, why});
+    }
     start_attempt(s_.attempt + 1, why);
   }
 
@@ -158,6 +163,7 @@ class Update {
     return true;
   }
 
+  bool is_over(const BurstId& burst) const { return !s_.bursts.empty() && s_.bursts.back().burst == burst; }
   bool two_way() const { return settings_.mode == Mode::two_way; }
   bool monitored() const { return two_way() || s_.burst.kind == Kind::dem; }
 

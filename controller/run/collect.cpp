@@ -242,6 +242,11 @@ void state_into(BurstSummary& burst, const coupling::HoldUp& state) {
   burst.d50 = quantile(diameter, volume, 0.5, log_width_of_pivots(state.solid_1, state.solid_2));
 }
 
+/// The last burst of a campaign that failed while its result was carried over.
+bool could_not_be_handed_over(const coupling::State& state, const BurstRecord& over) {
+  return state.ended == coupling::End::How::failed && over == state.bursts.back() && over.burst == state.burst;
+}
+
 BurstSummary summary_of(const BurstRecord& record, const std::vector<pilot::TaskEnd>& ends) {
   BurstSummary burst;
   burst.number = number_of(record);
@@ -280,7 +285,9 @@ Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHa
   for (const BurstRecord& over : record.state.bursts) {
     const fs::path folder = folder_of(dir, over.burst);
     BurstSummary burst = summary_of(over, record.ends);
-    if (over.burst.kind == Kind::dem) {
+    if (could_not_be_handed_over(record.state, over)) {
+      // Its files may be short of what the others have: it is named, and that is all.
+    } else if (over.burst.kind == Kind::dem) {
       GRANARY_CHECK(append_tallies(results.dem, over, folder));
       GRANARY_TRY(const auto measured, handover.rates_of(over.burst));
       const bool orthokinetic = campaign.dem.carry_back == campaign::DemSettings::CarryBack::orthokinetic;

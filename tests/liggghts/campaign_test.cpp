@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/mount.h>
 
 #include <map>
 #include <thread>
@@ -20,6 +21,7 @@ std::vector<std::string> small_campaign(const fs::path& dir) {
           "--dir",  dir.string(),
           "--json", "--quiet",
           "--set",  "/dem/particles=500",
+          "--set",  "/dem/tally_window=\"10 ms\"",
           "--set",  "/process/residence_time=\"2 s\"",
           "--set",  "/dem/longest_burst=\"40 ms\"",
           "--set",  "/dem/settle=\"10 ms\"",
@@ -114,6 +116,23 @@ TEST(Campaign, StopsGracefullyAndGoesOn) {
 
   const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
   EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+}
+
+TEST(Campaign, LosesNothingThatFinishedWhenTheDiskIsFull) {
+  const Scratch scratch;
+  const fs::path dir = scratch / "run";
+  fs::create_directories(dir);
+  if (::mount("none", dir.c_str(), "tmpfs", 0, "size=2m") != 0) GTEST_SKIP() << "may not mount a small file system";
+
+  const auto full = granary(small_campaign(dir));
+  EXPECT_THAT(full.exit_code, testing::AnyOf(3, 4)) << full.err;
+  EXPECT_THAT(full.err, testing::AnyOf(testing::HasSubstr("space"), testing::HasSubstr("disk"))) << full.err;
+
+  ASSERT_EQ(0, ::mount("none", dir.c_str(), "tmpfs", MS_REMOUNT, "size=50m"));
+  const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
+  EXPECT_EQ(2, summary.integer_or("dem_bursts", 0));
+  EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+  ::umount(dir.c_str());
 }
 
 TEST(Campaign, EndsWithTheCauseWhenTheDemDiverges) {

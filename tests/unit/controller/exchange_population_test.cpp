@@ -328,7 +328,7 @@ TEST(StartingHoldUp, SaysWhatIsMissing) {
   const auto none = starting_hold_up(pbm_case);
 
   ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().message, HasSubstr("/pbm/initial"));
+  EXPECT_THAT(none.error().message, HasSubstr("/charge"));
 }
 
 }  // namespace
