@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/mount.h>
 
+#include <fstream>
 #include <map>
 #include <thread>
 
@@ -82,8 +83,10 @@ TEST(Campaign, GoesOnAfterAKillOfThePilotAndRunsNoFinishedBurstAgain) {
     // As soon as the second round's DEM burst writes tallies: in the middle of a task.
     const fs::path sign = dir / "bursts/0002-dem/tallies.jsonl";
     for (int i = 0; i < 600 && !fs::exists(sign); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    const auto found = pilot::run_program({"/usr/bin/pkill", "-KILL", "-f", "granary run .*" + dir.string()}, "", 10.0);
-    EXPECT_TRUE(found && found->exit_code == 0);
+    int pid = 0;
+    std::ifstream(dir / "pilot.lock") >> pid;
+    ASSERT_GT(pid, 1);
+    EXPECT_EQ(0, ::kill(pid, SIGKILL));
   });
   const auto killed = pilot::run_program(arguments, "", 240.0);
   killer.join();
