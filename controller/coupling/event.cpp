@@ -13,6 +13,8 @@ template <class... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
 };
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;  // clang 14 does not deduce it by itself
 
 constexpr std::array<std::pair<TaskEnded::Outcome, const char*>, 4> kOutcomes{
     {{TaskEnded::Outcome::finished, "finished"},

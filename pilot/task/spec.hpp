@@ -14,14 +14,14 @@ namespace granary::pilot {
 /// A task's number in its campaign, in order of submission, from 0.
 struct TaskId {
   int value = -1;
-  auto operator<=>(const TaskId&) const = default;
+  auto operator<=>(const TaskId&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 mistakes <=>
 };
 
 /// One try to run a task; never used twice.
 struct AttemptId {
   TaskId task;
   int number = 0;  ///< from 1
-  auto operator<=>(const AttemptId&) const = default;
+  auto operator<=>(const AttemptId&) const = default;  // NOLINT(modernize-use-nullptr): likewise
 };
 
 /// What is done to a filler whose cores a ready task needs.
