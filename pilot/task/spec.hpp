@@ -20,7 +20,7 @@ struct TaskId {
 /// One try to run a task; never used twice.
 struct AttemptId {
   TaskId task;
-  int number = 0;  ///< from 1
+  int number = 0;                                      ///< from 1
   auto operator<=>(const AttemptId&) const = default;  // NOLINT(modernize-use-nullptr): likewise
 };
 
