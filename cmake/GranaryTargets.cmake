@@ -1,8 +1,6 @@
 # The few words our CMakeLists.txt files are written in.
 include(GNUInstallDirs)
 
-set(GRANARY_SYSTEM_INCLUDES "")
-
 function(granary_compile_options target)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers

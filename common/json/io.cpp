@@ -71,7 +71,6 @@ std::string dump(const Value& value, int indent) {
   return detail::to_library(value).dump(indent, ' ', false, detail::Library::error_handler_t::replace);
 }
 
-Status write_text(const fs::path& file, std::string_view text) { return write_text_atomically(file, text); }
 Status write_file(const fs::path& file, const Value& value) {
   return write_text_atomically(file, dump(value, 1) + "\n");
 }

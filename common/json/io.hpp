@@ -24,7 +24,6 @@ std::string dump(const Value& value, int indent = -1);
 
 /// Writes beside the file and renames over it: a reader sees the old content or the new, never half of it.
 Status write_file(const std::filesystem::path& file, const Value& value);
-Status write_text(const std::filesystem::path& file, std::string_view text);
 
 /// Appends one line a value; each line reaches the kernel before append() returns.
 class LineWriter {

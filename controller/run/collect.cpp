@@ -1,19 +1,15 @@
 #include "controller/run/collect.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numeric>
 
-#include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "common/math/size_distribution.hpp"
 #include "common/results/hdf5_file.hpp"
-#include "common/version.hpp"
 #include "controller/coupling/exchange_files.hpp"
 #include "controller/run/choices.hpp"
 #include "controller/run/provenance.hpp"
