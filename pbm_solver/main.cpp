@@ -4,16 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "common/json/io.hpp"
 #include "common/log.hpp"
 #include "common/version.hpp"
 #include "pbm_solver/parallel/communicator.hpp"
 #include "pbm_solver/run.hpp"
-#include "pbm_solver/verification/verification.hpp"
+#include "pbm_solver/verification/verify_command.hpp"
 
 namespace {
 
@@ -69,28 +67,6 @@ int run(const pbm::RunOptions& options, bool as_json) {
   return 0;
 }
 
-void print_row(const pbm::Verification& v) {
-  std::printf("%-12s %5d  %9.2e %9.2e  %+9.1e %+9.1e %+9.1e  %8.1e  %6ld %7ld %8.3f  %s\n", v.name.c_str(), v.bins,
-              v.l1_number, v.l1_volume, v.moment_0, v.moment_1, v.moment_2, v.drift, v.steps, v.rhs_evaluations, v.cpu,
-              v.best_known ? granary::json::dump(*v.best_known).c_str() : "");
-}
-
-/// Errors against exact solutions. Whether they are small enough is for the tests to say; here they are shown.
-int verify(const std::string& name, std::optional<int> bins, double tolerance, bool as_json) {
-  Value all = Value::array();
-  if (!as_json)
-    std::printf("%-12s %5s  %9s %9s  %9s %9s %9s  %8s  %6s %7s %8s  %s\n", "case", "bins", "L1 number", "L1 volume",
-                "M0", "M1", "M2", "drift", "steps", "rhs", "cpu [s]", "plain cell average, L1 number");
-  for (const std::string& one : name == "all" ? pbm::verification_names() : std::vector<std::string>{name}) {
-    const auto result = pbm::verify(one, bins, tolerance);
-    if (!result) return fail(result.error(), true);
-    if (!as_json) print_row(*result);
-    all.push(pbm::to_json(*result));
-  }
-  if (as_json) std::printf("%s\n", granary::json::dump(all, 2).c_str());
-  return 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -111,24 +87,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   run_command->add_flag("--json", as_json, "report as one JSON document");
 
-  CLI::App* verify_command = app.add_subcommand("verify", "solve cases with exact solutions and show the errors");
-  std::string name = "all";
-  std::optional<int> bins;
-  double tolerance = 1e-5;
-  verify_command->add_option("CASE", name, "constant-1d, sum-1d, constant-2d, sum-2d, breakage or all")
-      ->capture_default_str();
-  verify_command->add_option("--bins", bins, "classes along each solid");
-  verify_command->add_option("--tolerance", tolerance, "relative tolerance of the time steps")
-      ->check(CLI::Range(1e-12, 0.1))
-      ->capture_default_str();
-  verify_command->add_flag("--json", as_json, "one JSON document");
+  pbm::VerifyOptions verification;
+  const CLI::App* verify_command = pbm::add_verify_command(app, verification);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
     return app.exit(wrong) == 0 ? 0 : static_cast<int>(granary::Exit::bad_input);
   }
-  if (verify_command->parsed()) return verify(name, bins, tolerance, as_json);
+  if (verify_command->parsed()) return pbm::run_verify_command(verification);
   start_over_with_polite_threads(options.threads, argv);
   return run(options, as_json);
 }
