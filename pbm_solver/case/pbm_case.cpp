@@ -20,7 +20,7 @@ constexpr int kMostCompartments = 1024;
 
 const std::vector<std::string> kEfficiencies{"constant", "wet", "stokes"};
 const std::vector<std::string> kKernels{"constant", "sum", "product", "shear", "dem"};
-const std::vector<std::string> kSelections{"constant", "linear", "impact"};
+const std::vector<std::string> kSelections{"constant", "linear", "power", "impact"};
 const std::vector<std::string> kDaughters{"uniform_binary", "halves", "same_composition"};
 
 /// The enumerator whose name was read: the names are listed in the order of the enumerators.
@@ -214,11 +214,13 @@ Breakage read_breakage(Reader reader, const std::optional<DemRates>& dem) {
   b.selection = chosen(reader, "selection", b.selection, kSelections);
   b.daughters = chosen(reader, "daughters", b.daughters, kDaughters);
   b.rate = reader.number_or("rate", b.rate, Range::not_negative());
+  b.exponent = reader.number_or("exponent", b.exponent, Range::between(0.0, 10.0));
   b.critical_stokes_deformation =
       reader.number_or("critical_stokes_deformation", b.critical_stokes_deformation, Range::positive());
   b.primary_diameter = reader.number_or("primary_diameter", b.primary_diameter, Range::positive());
   if (b.selection == Breakage::Selection::impact && (!dem || dem->impact_rate.empty()))
-    reader.problem("selection", "it needs impact rates.", "Give /dem/impact_rate, or take \"constant\" or \"linear\".");
+    reader.problem("selection", "it needs impact rates.",
+                   "Give /dem/impact_rate, or take \"constant\", \"linear\" or \"power\".");
   reader.done();
   return b;
 }
@@ -298,6 +300,7 @@ Value breakage_json(const Breakage& b) {
   return Value::object({{"selection", name_of(b.selection, kSelections)},
                         {"daughters", name_of(b.daughters, kDaughters)},
                         {"rate", b.rate},
+                        {"exponent", b.exponent},
                         {"critical_stokes_deformation", b.critical_stokes_deformation},
                         {"primary_diameter", b.primary_diameter}});
 }

@@ -90,14 +90,15 @@ struct Aggregation {
   Efficiency efficiency;
 };
 
-/// K_br = rate * C_imp * P(U > U_br). constant: C_imp P = 1/s; linear: C_imp P = v / reference_volume (for exact
-/// solutions); impact: DEM.
+/// K_br = rate * C_imp * P(U > U_br). constant: C_imp P = 1/s; linear: C_imp P = v / reference_volume; power: its
+/// `exponent`-th power (both for exact solutions); impact: DEM.
 struct Breakage {
-  enum class Selection { constant, linear, impact };
+  enum class Selection { constant, linear, power, impact };
   enum class Daughters { uniform_binary, halves, same_composition };
   Selection selection = Selection::impact;
   Daughters daughters = Daughters::uniform_binary;
   double rate = 1.0;                         ///< k_br [-]
+  double exponent = 1.0;                     ///< power: of the solid volume [-]
   double critical_stokes_deformation = 0.2;  ///< St*_def
   double primary_diameter = 12.4e-6;         ///< d_pp [m]
 };

@@ -40,6 +40,8 @@ double SelectionFunction::operator()(const ActiveClasses& classes, std::size_t p
       return breakage_.rate;
     case Breakage::Selection::linear:
       return breakage_.rate * classes.solid[p] / reference_volume_;
+    case Breakage::Selection::power:
+      return breakage_.rate * std::pow(classes.solid[p] / reference_volume_, breakage_.exponent);
     case Breakage::Selection::impact: {
       const double density = 1.0 / (classes.inverse_mass[p] * classes.volume[p]);
       const double speed = breakage_speed(breakage_, viscosity_, density, classes.porosity[p]);

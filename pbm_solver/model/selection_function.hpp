@@ -22,7 +22,7 @@ double breakage_speed(const Breakage& breakage, double viscosity, double density
 double share_faster(const SpeedDistribution& speeds, double speed);
 
 /// K = rate C_imp P(U > U_br) [1/s] in one compartment.
-///   constant: C_imp P = 1/s.   linear: the solid volume over the reference volume, per second.
+///   constant: C_imp P = 1/s.   linear: the solid volume over the reference volume, per second.   power: a power of it.
 ///   impact: the DEM's impact rate at the class's diameter (linear in ln d between class centres, the end class beyond
 ///   them) times the share of impacts faster than the breakage speed.
 class SelectionFunction {
