@@ -9,6 +9,7 @@
 #include "common/json/io.hpp"
 #include "common/log.hpp"
 #include "common/version.hpp"
+#include "pbm_solver/bench/bench_command.hpp"
 #include "pbm_solver/parallel/communicator.hpp"
 #include "pbm_solver/run.hpp"
 #include "pbm_solver/verification/verify_command.hpp"
@@ -89,6 +90,8 @@ int main(int argc, char** argv) {
 
   pbm::VerifyOptions verification;
   const CLI::App* verify_command = pbm::add_verify_command(app, verification);
+  pbm::BenchOptions bench;
+  const CLI::App* bench_command = pbm::add_bench_command(app, bench);
 
   try {
     app.parse(argc, argv);
@@ -96,6 +99,7 @@ int main(int argc, char** argv) {
     return app.exit(wrong) == 0 ? 0 : static_cast<int>(granary::Exit::bad_input);
   }
   if (verify_command->parsed()) return pbm::run_verify_command(verification);
-  start_over_with_polite_threads(options.threads, argv);
+  start_over_with_polite_threads(bench_command->parsed() ? bench.threads : options.threads, argv);
+  if (bench_command->parsed()) return pbm::run_bench_command(bench);
   return run(options, as_json);
 }

@@ -1,0 +1,51 @@
+#include "pbm_solver/bench/measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+namespace granary::pbm::bench {
+
+double thread_cpu() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double wall_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double percentile(std::vector<double> values, double q) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto lower = static_cast<std::size_t>(at);
+  const std::size_t upper = std::min(lower + 1, values.size() - 1);
+  return values[lower] + (at - static_cast<double>(lower)) * (values[upper] - values[lower]);
+}
+
+std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int rounds, double least_sample) {
+  const auto sample = [](const Contender& one, int evaluations) {
+    const double began = thread_cpu();
+    for (int k = 0; k < evaluations; ++k) one.evaluate();
+    return (thread_cpu() - began) / evaluations;
+  };
+  std::vector<std::vector<double>> seconds(contenders.size());
+  std::vector<int> evaluations;
+  for (std::size_t c = 0; c < contenders.size(); ++c) {
+    const double first = sample(contenders[c], 1);
+    evaluations.push_back(static_cast<int>(std::clamp(std::ceil(least_sample / std::max(first, 1e-9)), 1.0, 1e6)));
+    if (contenders[c].most_rounds == 1) seconds[c].push_back(first);
+  }
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t c = 0; c < contenders.size(); ++c)
+      if (static_cast<int>(seconds[c].size()) < contenders[c].most_rounds)
+        seconds[c].push_back(sample(contenders[c], evaluations[c]));
+  std::vector<Timing> timings;
+  for (const std::vector<double>& one : seconds) timings.push_back({median(one), static_cast<int>(one.size())});
+  return timings;
+}
+
+}  // namespace granary::pbm::bench

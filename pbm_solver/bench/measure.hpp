@@ -1,0 +1,35 @@
+// Clocks and the statistics of timings. What is timed is its callers' business.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace granary::pbm::bench {
+
+/// CPU time of this thread [s]: what other programs on the machine take is not in it.
+double thread_cpu();
+double wall_clock();  ///< [s]
+
+/// The value below which the share q (0..1) of the values lies, between neighbours by straight line; 0 if there are
+/// none.
+double percentile(std::vector<double> values, double q);
+inline double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
+
+/// Something to be timed: one call is one evaluation.
+struct Contender {
+  std::function<void()> evaluate;
+  int most_rounds = 1000;  ///< for what takes seconds
+};
+
+/// One contender's result.
+struct Timing {
+  double seconds = 0.0;  ///< of one evaluation: median over the rounds of thread CPU time
+  int rounds = 0;
+};
+
+/// Times the contenders in turn, round by round, so that a busy spell of the machine meets all of them. A round of a
+/// fast one is as many evaluations as fill `least_sample` seconds. The first round warms up and does not count, unless
+/// it is the only one.
+std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int rounds, double least_sample = 2e-3);
+
+}  // namespace granary::pbm::bench

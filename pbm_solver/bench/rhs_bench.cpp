@@ -1,0 +1,95 @@
+#include "pbm_solver/bench/rhs_bench.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pbm_solver/bench/bench_cases.hpp"
+#include "pbm_solver/bench/measure.hpp"
+#include "pbm_solver/bench/rates_timer.hpp"
+#include "pbm_solver/bench/reference_solver.hpp"
+
+namespace granary::pbm::bench {
+namespace {
+
+using json::Value;
+
+struct Row {
+  int bins, compartments;
+  KernelKind kernel;
+  int n_classes;
+};
+
+const char* name_of(KernelKind kernel) {
+  switch (kernel) {
+    case KernelKind::constant:
+      return "constant";
+    case KernelKind::classes:
+      return "dem classes";
+    case KernelKind::stokes:
+      return "dem classes x stokes";
+  }
+  return "";
+}
+
+/// How often the reference is run for a row: by its number of ordered pairs, some 12 to 25 ns each.
+int reference_rounds(const Row& row, Effort effort) {
+  const double pairs = std::pow(double(row.bins), 4) * row.compartments;
+  if (pairs > 1e8) return 1;
+  if (pairs > 1e7) return by_effort(effort, 1, 3, 5);
+  return by_effort(effort, 5, 11, 21);
+}
+
+/// In the quick bench the largest case is that of one compartment: they do not see each other here.
+bool one_for_all(const Row& row, Effort effort) {
+  return effort == Effort::quick && row.compartments > 1 && std::pow(double(row.bins), 4) > 1e7;
+}
+
+Value measure(const Row& row, Effort effort) {
+  const BenchCase b = operator_case(row.bins, row.compartments, row.kernel, row.n_classes);
+  Alone alone(row.compartments);
+  SolverRates ours(b.pbm_case, b.start, alone, 1);
+  std::vector<Contender> contenders{{[&] { ours.evaluate(); }}};
+  Value json = Value::object({{"grid", fmt::format("{0}x{0}x{1}", row.bins, row.compartments)},
+                              {"classes", row.n_classes},
+                              {"kernel", name_of(row.kernel)},
+                              {"cores", 1}});
+  const int rounds = by_effort(effort, 5, 11, 21);
+  if (row.kernel == KernelKind::stokes) {
+    const Timing timing = time_in_turn(contenders, rounds).front();
+    return json.set("solver_s", timing.seconds).set("reference_s", Value()).set("ratio", Value());
+  }
+  ReferenceSolver reference(b.pbm_case);
+  const ReferenceState state = reference_state(b.start);
+  ReferenceState rates = state;
+  const bool one = one_for_all(row, effort);
+  contenders.push_back({[&] { one ? reference.rates_of_compartment(0, state, rates) : reference.rates(state, rates); },
+                        reference_rounds(row, effort)});
+  const std::vector<Timing> timings = time_in_turn(contenders, rounds);
+  const double theirs = timings[1].seconds * (one ? row.compartments : 1);
+  return json.set("solver_s", timings[0].seconds)
+      .set("reference_s", theirs)
+      .set("ratio", theirs / timings[0].seconds)
+      .set("reference_how",
+           fmt::format("{} of {}{}", timings[1].rounds == 1 ? "one evaluation" : "median",
+                       one ? fmt::format("1 compartment, times {}", row.compartments) : "all compartments",
+                       timings[1].rounds == 1 ? "" : fmt::format(", {} rounds", timings[1].rounds)));
+}
+
+}  // namespace
+
+Value rhs_timings(Effort effort) {
+  Value rows = Value::array();
+  struct Size {
+    int bins, compartments;
+  };
+  for (const Size s : {Size{16, 16}, Size{32, 16}, Size{64, 16}, Size{64, 1}}) {
+    rows.push(measure({s.bins, s.compartments, KernelKind::classes, 8}, effort));
+    rows.push(measure({s.bins, s.compartments, KernelKind::classes, 16}, effort));
+    rows.push(measure({s.bins, s.compartments, KernelKind::constant, 1}, effort));
+    rows.push(measure({s.bins, s.compartments, KernelKind::stokes, 8}, effort));
+  }
+  return Value::object({{"rhs", rows}});
+}
+
+}  // namespace granary::pbm::bench
