@@ -3,34 +3,27 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <numeric>
+#include <optional>
 #include <utility>
+
+#include "common/results/hdf5_handle.hpp"
+#include "common/results/sealed_bytes.hpp"
+#include "common/results/sealed_driver.hpp"
 
 namespace granary {
 namespace fs = std::filesystem;
 namespace {
 
-/// An HDF5 id with the function that closes it.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle& operator=(Handle&&) = delete;
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  operator hid_t() const { return id_; }  // NOLINT: stands for the id
-  bool good() const { return id_ >= 0; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// HDF5 prints its error stack by itself; our messages say it in one line. And it must not tidy up at exit: after a
-/// failed write (a full disk) that ends in a crash, while files that were written well are closed by then.
+/// HDF5 prints its error stack by itself; our messages say it in one line. It must not tidy up at exit: after a failed
+/// write (a full disk) that ends in a crash, while files that were written well are closed by then. And what a file
+/// says must make it neither load a filter from a library nor open another file.
 void set_up_library() {
-  static const bool done = [] { return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+  static const bool done = [] {
+    return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0 && H5PLset_loading_state(0) >= 0 &&
+           H5Lunregister(H5L_TYPE_EXTERNAL) >= 0;
+  }();
   (void)done;
 }
 
@@ -38,21 +31,14 @@ Error failure(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what), Exit::task_failed};
 }
 Error cannot_read(const fs::path& file, const std::string& name) {
-  return {fmt::format("{}: \"{}\" is missing or cannot be read. The file is of another kind, or was cut short.",
-                      file.string(), name)};
+  return {fmt::format("{}: \"{}\" is missing or cannot be read. The file is damaged or of another kind.", file.string(),
+                      name)};
 }
 
 Handle link_properties() {
   Handle properties(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(properties, 1);
   return properties;
-}
-
-Handle text_type() {
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return type;
 }
 
 bool write_text_attribute(hid_t object, const char* key, std::string_view text) {
@@ -71,44 +57,10 @@ bool describe(hid_t object, std::string_view unit, std::string_view description)
 
 std::vector<hsize_t> dims_of(const std::vector<std::size_t>& shape) { return {shape.begin(), shape.end()}; }
 
-bool exists(hid_t file, const std::string& name) {
-  if (name == "/" || name.empty()) return true;
-  // Each link on the way must exist: HDF5 does not look past a missing one.
-  for (std::size_t slash = name.find('/', 1); slash != std::string::npos; slash = name.find('/', slash + 1))
-    if (H5Lexists(file, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
-  return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
-}
-
 Handle make_dataset(hid_t file, const std::string& name, hid_t type, hid_t space, hid_t properties) {
   if (exists(file, name)) H5Ldelete(file, name.c_str(), H5P_DEFAULT);
   const Handle links = link_properties();
   return {H5Dcreate2(file, name.c_str(), type, space, links, properties, H5P_DEFAULT), H5Dclose};
-}
-
-Handle open_dataset(hid_t file, const std::string& name) {
-  if (!exists(file, name)) return {-1, H5Dclose};
-  return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose};
-}
-
-std::vector<hsize_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose);
-  std::vector<hsize_t> dims(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-  if (!dims.empty()) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
-  return dims;
-}
-
-/// The rows [row, row+1) of a dataset as a selection of its file space.
-Handle row_selection(hid_t dataset, hsize_t row, const std::vector<hsize_t>& dims) {
-  Handle space(H5Dget_space(dataset), H5Sclose);
-  std::vector<hsize_t> start(dims.size(), 0), count = dims;
-  start[0] = row;
-  count[0] = 1;
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  return space;
-}
-
-std::size_t row_length(const std::vector<hsize_t>& dims) {
-  return static_cast<std::size_t>(std::accumulate(dims.begin() + 1, dims.end(), hsize_t{1}, std::multiplies<>()));
 }
 
 }  // namespace
@@ -124,6 +76,7 @@ Result<Hdf5File> Hdf5File::open(const fs::path& file) {
   set_up_library();
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return Error{file.string() + ": there is no such file."};
+  if (SealedBytes::seems_sealed(file)) return open_sealed(file);
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) return Error{file.string() + ": is no HDF5 file, or was cut short."};
   return Hdf5File(id, file);
@@ -136,9 +89,33 @@ Result<Hdf5File> Hdf5File::open_to_append(const fs::path& file) {
   return Hdf5File(id, file);
 }
 
+Result<Hdf5File> Hdf5File::create_sealed(const fs::path& file) {
+  set_up_library();
+  GRANARY_TRY(SealedBytes bytes, SealedBytes::create(file));
+  auto sealed = std::make_unique<SealedBytes>(std::move(bytes));
+  const hid_t id = create_in(*sealed);
+  if (id < 0) return failure(file, "cannot be made: HDF5 refuses.");
+  return Hdf5File(id, file, std::move(sealed));
+}
+
+Result<Hdf5File> Hdf5File::open_sealed(const fs::path& file) {
+  set_up_library();
+  GRANARY_TRY(SealedBytes bytes, SealedBytes::open(file));
+  auto sealed = std::make_unique<SealedBytes>(std::move(bytes));
+  const hid_t id = open_in(*sealed);
+  if (id < 0) return Error{file.string() + ": has a whole seal, but no HDF5 file under it."};
+  return Hdf5File(id, file, std::move(sealed));
+}
+
+Hdf5File::Hdf5File(std::int64_t id, fs::path file, std::unique_ptr<SealedBytes> sealed)
+    : sealed_(std::move(sealed)), id_(id), file_(std::move(file)) {}
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
-    : id_(std::exchange(other.id_, -1)), file_(std::move(other.file_)), broken_(other.broken_) {}
+    : sealed_(std::move(other.sealed_)),
+      id_(std::exchange(other.id_, -1)),
+      file_(std::move(other.file_)),
+      broken_(other.broken_) {}
 Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
+  std::swap(sealed_, other.sealed_);
   std::swap(id_, other.id_);
   std::swap(file_, other.file_);
   std::swap(broken_, other.broken_);
@@ -257,18 +234,24 @@ Status Hdf5File::attribute(const std::string& name, const std::string& key, doub
 bool Hdf5File::has(const std::string& name) const { return exists(id_, name); }
 
 Result<DataArray> Hdf5File::read(const std::string& name) const {
-  const Handle dataset = open_dataset(id_, name);
+  const Handle dataset = open_numbers(id_, name);
   if (!dataset.good()) return cannot_read(file_, name);
   const auto dims = shape_of(dataset);
-  DataArray data{{dims.begin(), dims.end()}, {}};
-  data.values.resize(std::accumulate(dims.begin(), dims.end(), hsize_t{1}, std::multiplies<>()));
+  DataArray data{{dims.begin(), dims.end()}, std::vector<double>(*count_of(dims))};
   if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.values.data()) < 0)
     return cannot_read(file_, name);
   return data;
 }
 
+Result<std::vector<std::size_t>> Hdf5File::shape(const std::string& name) const {
+  const Handle dataset = open_numbers(id_, name);
+  if (!dataset.good()) return cannot_read(file_, name);
+  const auto dims = shape_of(dataset);
+  return std::vector<std::size_t>(dims.begin(), dims.end());
+}
+
 Result<std::vector<double>> Hdf5File::read_row(const std::string& name, std::size_t row) const {
-  const Handle dataset = open_dataset(id_, name);
+  const Handle dataset = open_numbers(id_, name);
   if (!dataset.good()) return cannot_read(file_, name);
   const auto dims = shape_of(dataset);
   if (dims.empty() || row >= dims[0])
@@ -287,7 +270,9 @@ Result<std::vector<std::string>> Hdf5File::read_texts(const std::string& name) c
   const Handle dataset = open_dataset(id_, name);
   if (!dataset.good()) return cannot_read(file_, name);
   const auto dims = shape_of(dataset);
-  if (dims.size() != 1) return cannot_read(file_, name);
+  const Handle stored(H5Dget_type(dataset), H5Tclose);
+  if (dims.size() != 1 || !stored_as_claimed(dataset) || H5Tis_variable_str(stored) <= 0)
+    return cannot_read(file_, name);
   std::vector<char*> pointers(dims[0]);
   const Handle type = text_type();
   if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) return cannot_read(file_, name);
@@ -300,9 +285,10 @@ Result<std::vector<std::string>> Hdf5File::read_texts(const std::string& name) c
 
 Result<std::string> Hdf5File::text_attribute(const std::string& name, const std::string& key) const {
   if (!exists(id_, name)) return cannot_read(file_, name);
-  const Handle attribute(H5Aopen_by_name(id_, name.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle attribute = open_attribute(id_, name, key);
   if (!attribute.good()) return cannot_read(file_, name + " @" + key);
-  const Handle type = text_type();
+  const Handle stored(H5Aget_type(attribute), H5Tclose), type = text_type();
+  if (H5Tis_variable_str(stored) <= 0) return cannot_read(file_, name + " @" + key);
   char* pointer = nullptr;
   if (H5Aread(attribute, type, &pointer) < 0 || pointer == nullptr) return cannot_read(file_, name + " @" + key);
   std::string text(pointer);
@@ -312,7 +298,7 @@ Result<std::string> Hdf5File::text_attribute(const std::string& name, const std:
 
 Result<double> Hdf5File::number_attribute(const std::string& name, const std::string& key) const {
   if (!exists(id_, name)) return cannot_read(file_, name);
-  const Handle attribute(H5Aopen_by_name(id_, name.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle attribute = open_attribute(id_, name, key);
   double value = 0.0;
   if (!attribute.good() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
     return cannot_read(file_, name + " @" + key);
@@ -334,6 +320,11 @@ Result<std::vector<std::string>> Hdf5File::children(const std::string& group) co
 
 Status Hdf5File::flush() {
   if (H5Fflush(id_, H5F_SCOPE_LOCAL) < 0) return failed_to_write("/");
+  return {};
+}
+
+Status Hdf5File::sync() {
+  if (sealed_ && !sealed_->sync()) return failed_to_write("/");
   return {};
 }
 

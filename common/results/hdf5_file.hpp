@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,11 +19,17 @@ struct DataArray {
   std::vector<double> values;
 };
 
+class SealedBytes;
+
 class Hdf5File {
  public:
   static Result<Hdf5File> create(const std::filesystem::path& file);          ///< replaces
-  static Result<Hdf5File> open(const std::filesystem::path& file);            ///< read only
+  static Result<Hdf5File> open(const std::filesystem::path& file);            ///< read only; a seal is held against it
   static Result<Hdf5File> open_to_append(const std::filesystem::path& file);  ///< read and write
+  /// The same with every byte under a checksum: what is in the file is what the last flush() left, whatever ended the
+  /// program since, and open_sealed() refuses a damaged file before HDF5 (which may crash on one) sees a byte of it.
+  static Result<Hdf5File> create_sealed(const std::filesystem::path& file);
+  static Result<Hdf5File> open_sealed(const std::filesystem::path& file);
   Hdf5File(Hdf5File&& other) noexcept;
   Hdf5File& operator=(Hdf5File&& other) noexcept;
   ~Hdf5File();
@@ -46,7 +53,10 @@ class Hdf5File {
   Status attribute(const std::string& name, const std::string& key, double value);
 
   bool has(const std::string& name) const;
+  /// Errors of all that read: it is not there, is of another kind, claims sizes beyond all reason, or lies in another
+  /// file.
   Result<DataArray> read(const std::string& name) const;
+  Result<std::vector<std::size_t>> shape(const std::string& name) const;
   /// Row i of a dataset along its first axis.
   Result<std::vector<double>> read_row(const std::string& name, std::size_t row) const;
   Result<std::vector<std::string>> read_texts(const std::string& name) const;
@@ -56,12 +66,15 @@ class Hdf5File {
   Result<std::vector<std::string>> children(const std::string& group) const;
 
   Status flush();
+  /// On the disk itself, not only in the kernel's memory. Only for sealed files.
+  Status sync();
 
  private:
-  explicit Hdf5File(std::int64_t id, std::filesystem::path file) : id_(id), file_(std::move(file)) {}
+  Hdf5File(std::int64_t id, std::filesystem::path file, std::unique_ptr<SealedBytes> sealed = nullptr);
   /// Remembers that a write failed, and says it: `name` could not be written.
   Error failed_to_write(const std::string& name);
 
+  std::unique_ptr<SealedBytes> sealed_;  ///< where HDF5 writes, if the file has a seal; outlives id_
   std::int64_t id_ = -1;
   std::filesystem::path file_;
   bool broken_ = false;  ///< a write failed (a full disk): HDF5 cannot even close such a file

@@ -1,11 +1,13 @@
 #include "pbm_solver/output/state_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <system_error>
 
 #include "common/json/io.hpp"
@@ -21,6 +23,7 @@ constexpr const char* kFormat = "granary-pbm-out-1";
 constexpr double kFileVersion = 1;
 constexpr double kSameTime = 1e-9;    // relative: an output time as a person writes it
 constexpr double kSameVolume = 1e-9;  // relative: a pivot of the same grid
+constexpr double kRoundOff = 1e-12;   // of the largest value of a row: how far below zero round-off may lead
 
 std::vector<double> pivots(const SolidAxis& axis) {
   std::vector<double> list;
@@ -134,6 +137,20 @@ bool same(const std::vector<double>& a, const std::vector<double>& b) {
   });
 }
 
+/// The times of the rows, finite and rising.
+Result<std::vector<double>> read_times(const Hdf5File& h5, const fs::path& file) {
+  GRANARY_TRY(DataArray times, h5.read("/state/time"));
+  if (times.shape.size() != 1)
+    return Error{fmt::format("{}: \"/state/time\" has {} dimensions; a list of times is wanted.", file.string(),
+                             times.shape.size())};
+  const std::vector<double>& t = times.values;
+  for (std::size_t row = 0; row < t.size(); ++row)
+    if (!std::isfinite(t[row]) || (row > 0 && t[row] < t[row - 1]))
+      return Error{fmt::format("{}: \"/state/time\" has {:g} in row {}; times must be finite and rise.", file.string(),
+                               t[row], row)};
+  return std::move(times.values);
+}
+
 /// Row of the wanted time; the last if none is.
 Result<std::size_t> row_of(const std::vector<double>& times, const Restart& restart) {
   if (times.empty()) return Error{fmt::format("{}: it holds no state yet.", restart.file.string())};
@@ -146,10 +163,82 @@ Result<std::size_t> row_of(const std::vector<double>& times, const Restart& rest
       restart.file.string(), *restart.time, times.size(), times.front(), times.back())};
 }
 
+/// Pivots of one solid, and compartments: what the state in a file is of.
+struct Shape {
+  std::vector<double> solid_1, solid_2;
+  std::size_t n_compartments = 0;
+};
+
+Result<Shape> read_shape(const Hdf5File& h5, const fs::path& file) {
+  GRANARY_TRY(const std::vector<std::size_t> number, h5.shape("/state/number"));
+  if (number.size() != 4)
+    return Error{fmt::format("{}: \"/state/number\" has {} dimensions; time, compartment and two solids are wanted.",
+                             file.string(), number.size())};
+  GRANARY_TRY(DataArray solid_1, h5.read("/grid/solid_1"));
+  GRANARY_TRY(DataArray solid_2, h5.read("/grid/solid_2"));
+  return Shape{std::move(solid_1.values), std::move(solid_2.values), number[1]};
+}
+
+Status check_same_grid(const Shape& has, const PbmCase& c, const ClassGrid& grid, const fs::path& file) {
+  const auto wanted_1 = pivots(grid.axis(0)), wanted_2 = pivots(grid.axis(1));
+  const auto n_compartments = static_cast<std::size_t>(c.compartments.count);
+  if (same(has.solid_1, wanted_1) && same(has.solid_2, wanted_2) && has.n_compartments == n_compartments) return {};
+  return Error{
+      fmt::format("{}: its state is of another grid: {}; the case has {}. Restart with the grid and the compartments "
+                  "of the earlier run.",
+                  file.string(), described(has.solid_1, has.solid_2, has.n_compartments),
+                  described(wanted_1, wanted_2, n_compartments))};
+}
+
+/// Reads rows of one output time, each of the shape its grid asks for.
+class RowReader {
+ public:
+  RowReader(const Hdf5File& h5, const fs::path& file, std::size_t row) : h5_(&h5), file_(&file), row_(row) {}
+
+  /// Finite, and >= `least` times the largest of the row.
+  Result<std::vector<double>> operator()(const std::string& name, const std::vector<std::size_t>& row_shape,
+                                         double least) const {
+    GRANARY_TRY(const std::vector<std::size_t> shape, h5_->shape(name));
+    if (shape.empty() || !std::equal(shape.begin() + 1, shape.end(), row_shape.begin(), row_shape.end()))
+      return Error{fmt::format("{}: the rows of \"{}\" have the shape ({}); ({}) is wanted. The file is damaged.",
+                               file_->string(), name, fmt::join(shape, ", "), fmt::join(row_shape, ", "))};
+    GRANARY_TRY(std::vector<double> values, h5_->read_row(name, row_));
+    double largest = 0.0;
+    for (const double v : values) largest = std::max(largest, v);
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (!std::isfinite(values[k]) || values[k] < least * largest)
+        return Error{
+            fmt::format("{}: \"{}\" has {:g} in row {}, place {}; it must be a finite number{}. "
+                        "Restart from another output time.",
+                        file_->string(), name, values[k], row_, k, std::isinf(least) ? "" : " >= 0")};
+    return values;
+  }
+
+ private:
+  const Hdf5File* h5_;
+  const fs::path* file_;
+  std::size_t row_;
+};
+
+Result<Snapshot> read_state(const RowReader& read, double time, const std::vector<std::size_t>& shape) {
+  constexpr double kAny = -std::numeric_limits<double>::infinity();
+  Snapshot s;
+  s.time = time;
+  GRANARY_TRY(s.number, read("/state/number", shape, -kRoundOff));
+  GRANARY_TRY(s.liquid, read("/state/liquid", shape, -kRoundOff));
+  GRANARY_TRY(s.gas, read("/state/gas", shape, -kRoundOff));
+  GRANARY_TRY(s.ledger, read("/state/ledger", {shape[0] * ledger::kSize}, kAny));
+  GRANARY_TRY(const std::vector<double> next_step, read("/state/next_step", {}, 0.0));
+  GRANARY_TRY(const std::vector<double> last_error, read("/state/last_error", {}, 0.0));
+  s.next_step = next_step[0];
+  s.last_error = last_error[0];
+  return s;
+}
+
 }  // namespace
 
 Result<StateFile> StateFile::create(const fs::path& file, const PbmCase& c, const ClassGrid& grid) {
-  GRANARY_TRY(Hdf5File h5, Hdf5File::create(file));
+  GRANARY_TRY(Hdf5File h5, Hdf5File::create_sealed(file));
   GRANARY_CHECK(write_head(h5, c, grid));
   GRANARY_CHECK(create_rows(h5, c));
   GRANARY_CHECK(h5.flush());
@@ -168,6 +257,8 @@ Status write_checkpoint(const fs::path& file, const PbmCase& c, const ClassGrid&
     GRANARY_CHECK(room_for(file, snapshot));
     GRANARY_TRY(StateFile states, StateFile::create(beside, c, grid));
     GRANARY_CHECK(states.append(snapshot, summarize(snapshot, c, grid)));
+    // Else a power cut could leave the new name with nothing behind it, and the checkpoint before it gone.
+    GRANARY_CHECK(states.h5_.sync());
   }
   std::error_code failed;
   fs::rename(beside, file, failed);
@@ -176,38 +267,17 @@ Status write_checkpoint(const fs::path& file, const PbmCase& c, const ClassGrid&
 }
 
 Result<Snapshot> read_restart(const Restart& restart, const PbmCase& c, const ClassGrid& grid) {
-  GRANARY_TRY(const Hdf5File h5, Hdf5File::open(restart.file));
+  GRANARY_TRY(const Hdf5File h5, Hdf5File::open_sealed(restart.file));
   const auto format = h5.text_attribute("/", "format");
   if (!format || *format != kFormat)
     return Error{fmt::format("{}: this is no file of states ({} expected). Restart from an out.h5 or checkpoint.h5.",
                              restart.file.string(), kFormat)};
-  GRANARY_TRY(const DataArray solid_1, h5.read("/grid/solid_1"));
-  GRANARY_TRY(const DataArray solid_2, h5.read("/grid/solid_2"));
-  GRANARY_TRY(const DataArray times, h5.read("/state/time"));
-  GRANARY_TRY(const std::size_t row, row_of(times.values, restart));
-  Snapshot s;
-  s.time = times.values[row];
-  GRANARY_TRY(const std::vector<double> total, h5.read_row("/state/total_number", row));
-  const auto wanted_1 = pivots(grid.axis(0)), wanted_2 = pivots(grid.axis(1));
-  const auto n_compartments = static_cast<std::size_t>(c.compartments.count);
-  if (!same(solid_1.values, wanted_1) || !same(solid_2.values, wanted_2) || total.size() != n_compartments)
-    return Error{fmt::format(
-        "{}: its state is of another grid: {}; the case has {}. Restart with the grid and the compartments of the "
-        "earlier run.",
-        restart.file.string(), described(solid_1.values, solid_2.values, total.size()),
-        described(wanted_1, wanted_2, n_compartments))};
-  GRANARY_TRY(s.number, h5.read_row("/state/number", row));
-  GRANARY_TRY(s.liquid, h5.read_row("/state/liquid", row));
-  GRANARY_TRY(s.gas, h5.read_row("/state/gas", row));
-  GRANARY_TRY(s.ledger, h5.read_row("/state/ledger", row));
-  GRANARY_TRY(const std::vector<double> next_step, h5.read_row("/state/next_step", row));
-  GRANARY_TRY(const std::vector<double> last_error, h5.read_row("/state/last_error", row));
-  s.next_step = next_step.at(0);
-  s.last_error = last_error.at(0);
-  if (s.number.size() != n_compartments * grid.size() || s.ledger.size() != n_compartments * ledger::kSize)
-    return Error{
-        fmt::format("{}: its rows are not as long as its grid asks. The file is damaged.", restart.file.string())};
-  return s;
+  GRANARY_TRY(const std::vector<double> times, read_times(h5, restart.file));
+  GRANARY_TRY(const std::size_t row, row_of(times, restart));
+  GRANARY_TRY(const Shape shape, read_shape(h5, restart.file));
+  GRANARY_CHECK(check_same_grid(shape, c, grid, restart.file));
+  return read_state(RowReader(h5, restart.file, row), times[row],
+                    {shape.n_compartments, shape.solid_1.size(), shape.solid_2.size()});
 }
 
 }  // namespace granary::pbm
