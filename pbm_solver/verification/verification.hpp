@@ -1,4 +1,4 @@
-// granary-pbm verify: the solver against exact solutions, with the errors, the cost and the best figures known.
+// Runs the cases with exact solutions and judges the errors.
 #pragma once
 
 #include <optional>
@@ -7,32 +7,39 @@
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
-#include "pbm_solver/case/pbm_case.hpp"
+#include "pbm_solver/verification/verification_case.hpp"
 
 namespace granary::pbm {
 
-/// A run against an exact solution at its end.
+/// A case on one grid: its errors, their bounds, its cost.
 struct Verification {
-  std::string name;
-  std::string text;           ///< what is solved, in a line
-  int bins = 0;               ///< classes along each solid that is there
-  double l1_number = 0.0;     ///< sum |N - exact| / sum exact, over the cells
-  double l1_volume = 0.0;     ///< the same with the solid volume of the cells
-  double moment_0 = 0.0;      ///< relative error of the total number
-  double moment_1 = 0.0;      ///< of the solid volume of component 1
-  double moment_2 = 0.0;      ///< of the sum of its squares
-  double drift = 0.0;         ///< of the balance of solids
-  double least_number = 0.0;  ///< smallest number in any class: never negative
-  long steps = 0, rhs_evaluations = 0;
-  double cpu = 0.0;                  ///< [s]
-  std::optional<double> best_known;  ///< l1_number of a plain cell average code at these bins (docs/pbm_equations.md)
+  std::string name, group, text, reason;
+  int bins = 0;            ///< classes along each solid that is there
+  double tolerance = 0.0;  ///< of the time steps
+  Comparison errors;
+  double l1_bound = 0.0;  ///< NaN: none on this grid
+  NamedErrors moment_bounds;
+  double order = 0.0;  ///< since the grid before it; NaN: none
+  Drift drift;         ///< of the balance of each conserved quantity, with what left the grid
+  double drift_bound = 0.0;
+  double least_number = 0.0;  ///< smallest number in any class over the number of all
+  std::int64_t steps = 0, rejected = 0, rhs_evaluations = 0;
+  double cpu = 0.0;  ///< [s]
+  bool passed = false;
+
+  double largest_drift() const;
+  /// NaN if there is none of this name.
+  double moment(const std::string& name) const;
 };
 
-/// Names of all cases: constant-1d, sum-1d, constant-2d, sum-2d, breakage.
 std::vector<std::string> verification_names();
 
-/// Errors: unknown name (with a suggestion); a solver that cannot keep its tolerance.
-Result<Verification> verify(const std::string& name, std::optional<int> bins, double relative_tolerance = 1e-5);
+/// One case on one grid.
+/// Errors: unknown name (with a suggestion), bins beyond [2, 256]; a solver that cannot keep its tolerance.
+Result<Verification> verify(const std::string& name, int bins, double relative_tolerance = 1e-5);
+/// One case on its grids, or on `bins` alone.
+Result<std::vector<Verification>> verify_grids(const std::string& name, std::optional<int> bins,
+                                               double relative_tolerance = 1e-5);
 
 json::Value to_json(const Verification& verification);
 
