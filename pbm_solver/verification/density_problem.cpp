@@ -8,6 +8,15 @@
 namespace granary::pbm {
 namespace {
 
+std::vector<double> start_of(const DensityProblem& problem, const ClassGrid& grid) {
+  const BirthGrid content = problem.content(grid, 0.0);
+  if (!problem.number_start) return exact::at_pivots(grid, content);
+  std::vector<double> number;
+  for (int i = 0; i < grid.axis(0).size(); ++i)
+    for (int j = 0; j < grid.axis(1).size(); ++j) number.push_back(content.at(i, j).number);
+  return number;
+}
+
 PbmCase case_of(const DensityProblem& problem, int bins) {
   PbmCase c;
   c.name = problem.name;
@@ -17,7 +26,7 @@ PbmCase case_of(const DensityProblem& problem, int bins) {
   c.breakage = problem.breakage;
   c.end_time = c.output_every = problem.end;
   const ClassGrid grid(c.grid);
-  const std::vector<double> number = exact::at_pivots(grid, problem.content(grid, 0.0));
+  const std::vector<double> number = start_of(problem, grid);
   if (problem.turnover) {
     c.compartments.residence_time = 1.0 / *problem.turnover;
     c.feed.emplace();
@@ -58,14 +67,20 @@ void compare_cells(const DensityProblem& problem, const ClassGrid& grid, const S
   result.l1_volume = off_volume / all_volume;
 }
 
+double moment_of(const ClassGrid& grid, const std::vector<double>& number, const Moment& m) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < grid.size(); ++k)
+    sum += number[k] * std::pow(grid.solid_1()[k], m.p) * std::pow(grid.solid_2()[k], m.q);
+  return sum;
+}
+
 Comparison compare(const DensityProblem& problem, const ClassGrid& grid, const Snapshot& end) {
   Comparison result;
   if (!problem.moments_only) compare_cells(problem, grid, end, result);
   for (const Moment& m : problem.moments) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < grid.size(); ++k)
-      sum += end.number[k] * std::pow(grid.solid_1()[k], m.p) * std::pow(grid.solid_2()[k], m.q);
-    result.moments.emplace_back(fmt::format("M{}{}", m.p, m.q), sum / m.exact - 1.0);
+    const double scale = problem.number_start ? moment_of(grid, start_of(problem, grid), m) / m.start : 1.0;
+    result.moments.emplace_back(fmt::format("M{}{}", m.p, m.q),
+                                moment_of(grid, end.number, m) / (scale * m.exact) - 1.0);
   }
   return result;
 }

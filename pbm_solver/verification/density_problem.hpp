@@ -14,7 +14,8 @@ namespace granary::pbm {
 /// sum over particles of x^p y^q, named "Mpq".
 struct Moment {
   int p = 0, q = 0;
-  double exact = 0.0;
+  double exact = 0.0;  ///< at the end
+  double start = 1.0;  ///< needed with `number_start`
 };
 
 struct DensityProblem {
@@ -26,9 +27,12 @@ struct DensityProblem {
   /// What the exact distribution holds in each cell at a time; with `moments_only` only at the start.
   std::function<BirthGrid(const ClassGrid&, double t)> content;
   bool moments_only = false;
-  std::vector<Moment> moments{};  ///< at the end
+  std::vector<Moment> moments{};
   /// Given: one stirred tank of this turnover [1/s] starts empty and is fed with what would be the start.
   std::optional<double> turnover{};
+  /// The start keeps the number of each cell on its own pivot, not its solids too: they are off by up to some percent
+  /// then. So published figures were made; moments are compared by their growth since the start.
+  bool number_start = false;
   /// Cells below this are one cell to the comparison: particles with so little of a solid count as without it.
   double merged_below = 0.0;
 };
