@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
+#include <set>
 
 #include "common/files.hpp"
 #include "common/json/nlohmann.hpp"
@@ -24,9 +26,26 @@ std::string place(std::string_view text, std::size_t byte) {
   return fmt::format("line {}, column {}", line, column);
 }
 
+/// The byte at which brackets nest deeper than any file of ours does; each level costs stack in all that walks a value.
+std::optional<std::size_t> too_deep(std::string_view text) {
+  constexpr int kDeepest = 200;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (quoted && c == '\\') ++at;  // whatever is escaped ends no string
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepest) return at + 1;
+  }
+  return std::nullopt;
+}
+
 /// A key written twice would silently lose its first value: find it while the text is read.
 struct DuplicateFinder {
-  std::vector<std::vector<std::string>> open;
+  std::vector<std::set<std::string>> open;
   std::string found;
 
   bool operator()(int, detail::Library::parse_event_t event, detail::Library& parsed) {
@@ -34,10 +53,8 @@ struct DuplicateFinder {
     if (event == Event::object_start) open.emplace_back();
     if (event == Event::object_end) open.pop_back();
     if (event == Event::key && !open.empty()) {
-      auto& keys = open.back();
       const auto& key = parsed.get_ref<const std::string&>();
-      if (std::find(keys.begin(), keys.end(), key) != keys.end() && found.empty()) found = key;
-      keys.push_back(key);
+      if (!open.back().insert(key).second && found.empty()) found = key;
     }
     return true;
   }
@@ -46,6 +63,9 @@ struct DuplicateFinder {
 }  // namespace
 
 Result<Value> parse(std::string_view text, std::string_view name) {
+  if (const auto byte = too_deep(text))
+    return Error{
+        fmt::format("{}: its brackets nest too deep at {}. A bracket may be missing.", name, place(text, *byte))};
   try {
     DuplicateFinder duplicates;
     const auto parsed = detail::Library::parse(text, std::ref(duplicates));

@@ -18,10 +18,7 @@ std::string Problem::text() const {
 }
 
 void Problems::add(Problem problem) {
-  const auto same_place = [&](const Problem& other) {
-    return other.file == problem.file && other.pointer == problem.pointer;
-  };
-  if (std::none_of(problems_.begin(), problems_.end(), same_place)) problems_.push_back(std::move(problem));
+  if (places_.emplace(problem.file, problem.pointer).second) problems_.push_back(std::move(problem));
 }
 
 Error Problems::error() const {
@@ -57,6 +54,8 @@ std::string did_you_mean(const std::string& written, const std::vector<std::stri
   std::string best;
   std::size_t least = std::max<std::size_t>(2, written.size() / 3) + 1;
   for (const std::string& word : known) {
+    // As many letters as one is longer must be put in: do not count the others of a word that long.
+    if (written.size() >= least + word.size()) continue;
     if (const std::size_t d = distance(written, word); d < least && d < word.size()) {
       least = d;
       best = word;

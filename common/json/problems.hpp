@@ -1,7 +1,9 @@
 // What is wrong with a document, collected so that all of it is said at once.
 #pragma once
 
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/result.hpp"
@@ -30,6 +32,7 @@ class Problems {
 
  private:
   std::vector<Problem> problems_;
+  std::set<std::pair<std::string, std::string>> places_;  ///< file and pointer of each
 };
 
 /// The nearest of `known` if it is near enough to be meant, else "" (edit distance, transpositions count one).

@@ -15,7 +15,7 @@
 
 #include "common/results/hdf5_handle.hpp"
 #include "common/results/sealed_driver.hpp"
-#include "pbm_solver/model/compartment.hpp"
+#include "pbm_solver/model/model_tables.hpp"
 #include "pbm_solver/output/state_file.hpp"
 
 namespace {

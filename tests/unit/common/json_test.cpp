@@ -42,6 +42,16 @@ TEST(Json, NamesLineAndColumnOfASyntaxError) {
   EXPECT_THAT(result.error().message, testing::StartsWith("wet.json: not valid JSON at line 3, column 3"));
 }
 
+TEST(Json, RefusesBracketsThatNestTooDeep) {
+  const auto nested = [](std::size_t depth) {
+    return parse(std::string(depth, '[') + "\"]]\\\"[[\"" + std::string(depth, ']'), "deep.json");
+  };
+  EXPECT_TRUE(nested(200));
+  ASSERT_FALSE(nested(201));
+  EXPECT_EQ(nested(1000000).error().message,
+            "deep.json: its brackets nest too deep at line 1, column 201. A bracket may be missing.");
+}
+
 TEST(Json, RefusesAKeyWrittenTwice) {
   const auto result = parse(R"({"a": 1, "b": {"a": 2}, "a": 3})", "wet.json");
   ASSERT_FALSE(result);
