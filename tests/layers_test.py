@@ -17,6 +17,7 @@ ALLOWED = {
     "pbm_solver/model": ["common", "pbm_solver/case"],
     "pbm_solver/time": ["common", "pbm_solver/case", "pbm_solver/model"],
     "pbm_solver/parallel": ["common", "pbm_solver/case", "pbm_solver/model", "pbm_solver/time"],
+    "pbm_solver/verification": ["common", "pbm_solver", "pilot/launch"],
     "pbm_solver": ["common", "pbm_solver"],
     "dem_templates/case": ["common"],
     "dem_templates/geometry": ["common", "dem_templates/case"],

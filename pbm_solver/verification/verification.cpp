@@ -54,13 +54,6 @@ void set_bounds(const VerificationCase& known, Verification& v) {
   for (auto& one : v.moment_bounds) one.second += wider;
 }
 
-bool judge(const Verification& v) {
-  const bool l1 = std::isnan(v.l1_bound) || v.errors.l1_number <= v.l1_bound;
-  const bool moments = std::all_of(v.moment_bounds.begin(), v.moment_bounds.end(),
-                                   [&](const auto& bound) { return std::abs(v.moment(bound.first)) <= bound.second; });
-  return l1 && moments && v.largest_drift() <= v.drift_bound && v.least_number >= kLeastNumber;
-}
-
 /// Error whose decrease from grid to grid is the order.
 double error_for_order(const VerificationCase& known, const Verification& v) {
   if (known.order_of.empty()) return kNone;
@@ -92,7 +85,7 @@ Result<Verification> verify_on(const VerificationCase& known, int bins, double r
   v.steps = simulation.work().steps, v.rejected = simulation.work().rejected;
   v.rhs_evaluations = simulation.work().rhs_evaluations;
   set_bounds(known, v);
-  v.passed = judge(v);
+  v.passed = v.faults().empty();
   return v;
 }
 
@@ -107,6 +100,24 @@ json::Value object_of(const NamedErrors& list) {
 double Verification::largest_drift() const { return std::max({drift.solid_1, drift.solid_2, drift.liquid, drift.gas}); }
 
 double Verification::moment(const std::string& moment_name) const { return named(errors.moments, moment_name); }
+
+double Verification::moment_bound(const std::string& moment_name) const { return named(moment_bounds, moment_name); }
+
+std::vector<std::string> Verification::faults() const {
+  std::vector<std::string> list;
+  // Written so that a NaN is beyond every bound.
+  if (!std::isnan(l1_bound) && !(errors.l1_number <= l1_bound))
+    list.push_back(fmt::format("L1 of the number is {:.4g}, its bound {:.4g}", errors.l1_number, l1_bound));
+  for (const auto& [moment_name, bound] : moment_bounds)
+    if (!(std::abs(moment(moment_name)) <= bound))
+      list.push_back(
+          fmt::format("the error of {} is {:.3g}, its bound {:.3g}", moment_name, moment(moment_name), bound));
+  if (!(largest_drift() <= drift_bound))
+    list.push_back(fmt::format("the balance drifts by {:.2g}, its bound {:.2g}", largest_drift(), drift_bound));
+  if (!(least_number >= kLeastNumber))
+    list.push_back(fmt::format("a class holds {:.2g} of all particles; less than none", least_number));
+  return list;
+}
 
 std::vector<VerificationCase> verification_cases() {
   std::vector<VerificationCase> all;

@@ -30,6 +30,9 @@ struct Verification {
   double largest_drift() const;
   /// NaN if there is none of this name.
   double moment(const std::string& name) const;
+  double moment_bound(const std::string& name) const;
+  /// What is beyond its bound, in words; empty: passed.
+  std::vector<std::string> faults() const;
 };
 
 std::vector<std::string> verification_names();
