@@ -76,6 +76,16 @@ int main(int argc, char** argv) {
       ->required();
   on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
 
+  commands::BenchOptions bench_options;
+  auto* bench = app.add_subcommand("bench", "Measure what our programs cost, on this machine");
+  bench->require_subcommand(1);
+  auto* bench_pbm = bench->add_subcommand("pbm", "granary-pbm beside a plain reference (docs/bench.md)");
+  auto* quick = bench_pbm->add_flag("--quick", bench_options.quick, "About 20 s instead of 3 minutes");
+  bench_pbm->add_flag("--full", bench_options.full, "Also what the reference needs many minutes for")->excludes(quick);
+  bench_pbm->add_flag("--json", bench_options.json, "Print one JSON document on stdout and nothing else");
+  bench_pbm->add_option("--plot", bench_options.plot, "Draw error against CPU time into this SVG file");
+  bench_pbm->callback([&] { chosen = [&] { return commands::bench_pbm(bench_options); }; });
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -21,6 +21,12 @@ struct RunOptions {
   std::vector<std::string> overrides;  ///< "/pointer=value"
 };
 
+struct BenchOptions {
+  bool quick = false, full = false;  ///< about 20 s; all that the reference needs many minutes for
+  bool json = false;
+  std::filesystem::path plot;  ///< the work-precision plot, an SVG file; empty: none
+};
+
 Result<Exit> run(const RunOptions& options);
 Result<Exit> dry_run(const RunOptions& options);
 Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet);
@@ -30,5 +36,6 @@ Result<Exit> status(const std::filesystem::path& dir, bool json);
 Result<Exit> stop(const std::filesystem::path& dir);
 Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
 Result<Exit> report(const std::filesystem::path& dir);
+Result<Exit> bench_pbm(const BenchOptions& options);
 
 }  // namespace granary::commands

@@ -33,15 +33,17 @@ std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int r
     return (thread_cpu() - began) / evaluations;
   };
   std::vector<std::vector<double>> seconds(contenders.size());
-  std::vector<int> evaluations;
+  std::vector<int> evaluations, most_rounds;
   for (std::size_t c = 0; c < contenders.size(); ++c) {
-    const double first = sample(contenders[c], 1);
-    evaluations.push_back(static_cast<int>(std::clamp(std::ceil(least_sample / std::max(first, 1e-9)), 1.0, 1e6)));
-    if (contenders[c].most_rounds == 1) seconds[c].push_back(first);
+    const double first = std::max(sample(contenders[c], 1), 1e-9);
+    evaluations.push_back(static_cast<int>(std::ceil(std::max(least_sample / first, 1.0))));
+    most_rounds.push_back(
+        static_cast<int>(std::min<double>(rounds, contenders[c].most_cpu / (first * evaluations[c]))));
+    if (most_rounds[c] < 2) seconds[c].push_back(first);
   }
   for (int round = 0; round < rounds; ++round)
     for (std::size_t c = 0; c < contenders.size(); ++c)
-      if (static_cast<int>(seconds[c].size()) < contenders[c].most_rounds)
+      if (static_cast<int>(seconds[c].size()) < most_rounds[c])
         seconds[c].push_back(sample(contenders[c], evaluations[c]));
   std::vector<Timing> timings;
   for (const std::vector<double>& one : seconds) timings.push_back({median(one), static_cast<int>(one.size())});

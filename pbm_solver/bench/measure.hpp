@@ -18,7 +18,7 @@ inline double median(std::vector<double> values) { return percentile(std::move(v
 /// Something to be timed: one call is one evaluation.
 struct Contender {
   std::function<void()> evaluate;
-  int most_rounds = 1000;  ///< for what takes seconds
+  double most_cpu = 1e300;  ///< of all its rounds; one evaluation is made in any case [s]
 };
 
 /// One contender's result.
@@ -28,8 +28,8 @@ struct Timing {
 };
 
 /// Times the contenders in turn, round by round, so that a busy spell of the machine meets all of them. A round of a
-/// fast one is as many evaluations as fill `least_sample` seconds. The first round warms up and does not count, unless
-/// it is the only one.
+/// fast one is as many evaluations as fill `least_sample` seconds. A first evaluation warms up and does not count,
+/// unless it takes so long that it is the only one.
 std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int rounds, double least_sample = 2e-3);
 
 }  // namespace granary::pbm::bench

@@ -32,14 +32,6 @@ const char* name_of(KernelKind kernel) {
   return "";
 }
 
-/// How often the reference is run for a row: by its number of ordered pairs, some 12 to 25 ns each.
-int reference_rounds(const Row& row, Effort effort) {
-  const double pairs = std::pow(double(row.bins), 4) * row.compartments;
-  if (pairs > 1e8) return 1;
-  if (pairs > 1e7) return by_effort(effort, 1, 3, 5);
-  return by_effort(effort, 5, 11, 21);
-}
-
 /// In the quick bench the largest case is that of one compartment: they do not see each other here.
 bool one_for_all(const Row& row, Effort effort) {
   return effort == Effort::quick && row.compartments > 1 && std::pow(double(row.bins), 4) > 1e7;
@@ -49,7 +41,7 @@ Value measure(const Row& row, Effort effort) {
   const BenchCase b = operator_case(row.bins, row.compartments, row.kernel, row.n_classes);
   Alone alone(row.compartments);
   SolverRates ours(b.pbm_case, b.start, alone, 1);
-  std::vector<Contender> contenders{{[&] { ours.evaluate(); }}};
+  std::vector<Contender> contenders{{[&] { ours.evaluate(); }, by_effort(effort, 0.2, 2.0, 5.0)}};
   Value json = Value::object({{"grid", fmt::format("{0}x{0}x{1}", row.bins, row.compartments)},
                               {"classes", row.n_classes},
                               {"kernel", name_of(row.kernel)},
@@ -64,7 +56,7 @@ Value measure(const Row& row, Effort effort) {
   ReferenceState rates = state;
   const bool one = one_for_all(row, effort);
   contenders.push_back({[&] { one ? reference.rates_of_compartment(0, state, rates) : reference.rates(state, rates); },
-                        reference_rounds(row, effort)});
+                        by_effort(effort, 0.5, 4.0, 20.0)});
   const std::vector<Timing> timings = time_in_turn(contenders, rounds);
   const double theirs = timings[1].seconds * (one ? row.compartments : 1);
   return json.set("solver_s", timings[0].seconds)
