@@ -10,23 +10,30 @@ SolverRates::SolverRates(const PbmCase& c, const Snapshot& at, Exchange& exchang
       inputs_(inputs_at(c, at.time)),
       state_(row_.size()),
       rates_(row_.size()) {
-  const std::size_t n = row_.classes(), first = static_cast<std::size_t>(exchange.share().first);
+  const auto n = static_cast<std::ptrdiff_t>(row_.classes());
+  std::vector<double> one(static_cast<std::size_t>(3 * n) + ledger::kSize);
   for (std::size_t x = 0; x < row_.compartments(); ++x) {
-    double* to = &state_[x * row_.stride()];
-    for (const auto* field : {&at.number, &at.liquid, &at.gas})
-      to = std::copy_n(field->begin() + static_cast<std::ptrdiff_t>((first + x) * n), n, to);
+    const auto from = (exchange.share().first + static_cast<std::ptrdiff_t>(x)) * n;
+    auto to = one.begin();
+    for (const auto* field : {&at.number, &at.liquid, &at.gas}) to = std::copy_n(field->begin() + from, n, to);
+    row_.pack(one, x, state_);
   }
+  row_.begin_step(state_, true);
 }
 
 void SolverRates::evaluate() { row_.rates(state_, {}, inputs_, rates_); }
 
 ReferenceState SolverRates::rates() const {
   ReferenceState all;
+  const auto n = static_cast<std::ptrdiff_t>(row_.classes());
+  std::vector<double> one(static_cast<std::size_t>(3 * n) + ledger::kSize);
   for (std::size_t x = 0; x < row_.compartments(); ++x) {
-    const Fields f = row_.fields(rates_, x);
-    all.number.insert(all.number.end(), f.number.begin(), f.number.end());
-    all.liquid.insert(all.liquid.end(), f.liquid.begin(), f.liquid.end());
-    all.gas.insert(all.gas.end(), f.gas.begin(), f.gas.end());
+    row_.unpack(rates_, x, one);
+    auto from = one.begin();
+    for (auto* field : {&all.number, &all.liquid, &all.gas}) {
+      field->insert(field->end(), from, from + n);
+      from += n;
+    }
   }
   return all;
 }

@@ -25,7 +25,7 @@ class SolverRates {
   std::unique_ptr<ModelTables> tables_;  ///< the row points into it
   CompartmentRow row_;
   Inputs inputs_;
-  std::vector<double> state_, rates_;
+  LaneVector state_, rates_;
 };
 
 }  // namespace granary::pbm::bench

@@ -19,7 +19,9 @@ constexpr int kMostBins = 256;
 constexpr int kMostCompartments = 1024;
 
 const std::vector<std::string> kEfficiencies{"constant", "wet", "stokes"};
-const std::vector<std::string> kKernels{"constant", "sum", "product", "shear", "dem"};
+const std::vector<std::string> kKernels{"constant", "sum", "product", "shear", "dem", "table"};
+const std::vector<std::string> kLookups{"size", "group"};
+const std::vector<std::string> kMethods{"automatic", "pairs", "low_rank"};
 const std::vector<std::string> kSelections{"constant", "linear", "power", "impact"};
 const std::vector<std::string> kDaughters{"uniform_binary", "halves", "same_composition"};
 
@@ -134,8 +136,7 @@ SpeedDistribution read_speeds(std::optional<Reader> reader) {
 }
 
 /// C_pq: square, as wide as there are classes, not negative, symmetric.
-std::vector<std::vector<double>> read_collision_rate(Reader& reader, std::size_t n_classes) {
-  const std::string key = "collision_rate";
+std::vector<std::vector<double>> read_pair_rates(Reader& reader, const std::string& key, std::size_t n_classes) {
   const Value* rows = reader.raw(key);
   if (rows == nullptr) return {};
   const auto is_row = [&](const Value& row) {
@@ -158,14 +159,19 @@ std::vector<std::vector<double>> read_collision_rate(Reader& reader, std::size_t
   return rate;
 }
 
+std::vector<double> read_class_centres(Reader& reader) {
+  std::vector<double> diameter = reader.numbers("diameter", Range::positive());
+  if (diameter.empty()) reader.problem("diameter", "it must have at least one size class.");
+  if (std::adjacent_find(diameter.begin(), diameter.end(), std::greater_equal<>()) != diameter.end())
+    reader.problem("diameter", "the class centres must rise.");
+  return diameter;
+}
+
 DemRates read_dem(Reader reader, const Compartments& row) {
   DemRates dem;
-  dem.diameter = reader.numbers("diameter", Range::positive());
+  dem.diameter = read_class_centres(reader);
   const std::size_t n_classes = dem.diameter.size();
-  if (n_classes == 0) reader.problem("diameter", "it must have at least one size class.");
-  if (std::adjacent_find(dem.diameter.begin(), dem.diameter.end(), std::greater_equal<>()) != dem.diameter.end())
-    reader.problem("diameter", "the class centres must rise.");
-  dem.collision_rate = read_collision_rate(reader, n_classes);
+  dem.collision_rate = read_pair_rates(reader, "collision_rate", n_classes);
   if (reader.has("compartment_factor")) {
     dem.compartment_factor = reader.numbers("compartment_factor", Range::not_negative());
     if (dem.compartment_factor.size() != static_cast<std::size_t>(row.count))
@@ -196,6 +202,14 @@ Efficiency read_efficiency(Reader reader, bool has_dem) {
   return e;
 }
 
+KernelTable read_kernel_table(Reader reader) {
+  KernelTable table;
+  table.diameter = read_class_centres(reader);
+  table.rate = read_pair_rates(reader, "rate", table.diameter.size());
+  reader.done();
+  return table;
+}
+
 Aggregation read_aggregation(Reader reader, const std::optional<DemRates>& dem) {
   Aggregation a;
   a.kernel = chosen(reader, "kernel", a.kernel, kKernels);
@@ -203,6 +217,11 @@ Aggregation read_aggregation(Reader reader, const std::optional<DemRates>& dem) 
   if (auto section = reader.optional_section("efficiency")) a.efficiency = read_efficiency(*section, dem.has_value());
   if (a.kernel == Aggregation::Kernel::dem && !dem)
     reader.problem("kernel", "it needs collision rates.", "Give the section /dem.");
+  a.lookup = chosen(reader, "lookup", a.lookup, kLookups);
+  a.method = chosen(reader, "method", a.method, kMethods);
+  if (auto section = reader.optional_section("table")) a.table = read_kernel_table(*section);
+  if (a.kernel == Aggregation::Kernel::table && a.table.diameter.empty())
+    reader.problem("kernel", "it needs rates between diameters.", "Give the section /aggregation/table.");
   if (a.kernel == Aggregation::Kernel::dem && dem && dem->collision_rate.empty())
     reader.problem("kernel", "it needs collision rates.", "Give /dem/collision_rate.");
   reader.done();
@@ -261,6 +280,7 @@ void read_times(Reader& reader, PbmCase& c) {
   if (!(c.end_time > from)) reader.problem("end_time", fmt::format("it must be after the start at {:g} s.", from));
   c.output_every = reader.number_or("output_every", c.output_every, Range::positive());
   c.relative_tolerance = reader.number_or("relative_tolerance", c.relative_tolerance, Range{1e-12, 0.1, true, true});
+  c.kernel_tolerance = reader.number_or("kernel_tolerance", c.kernel_tolerance, Range{0.0, 0.1, true, true});
   c.reference_volume = reader.number_or("reference_volume", c.reference_volume, Range::positive());
 }
 
@@ -293,7 +313,13 @@ Value aggregation_json(const Aggregation& a) {
                                     {"least_liquid_fraction", e.least_liquid_fraction},
                                     {"restitution", e.restitution},
                                     {"asperity", e.asperity}});
-  return Value::object({{"kernel", name_of(a.kernel, kKernels)}, {"rate", a.rate}, {"efficiency", efficiency}});
+  Value document = Value::object({{"kernel", name_of(a.kernel, kKernels)},
+                                  {"rate", a.rate},
+                                  {"lookup", name_of(a.lookup, kLookups)},
+                                  {"method", name_of(a.method, kMethods)}});
+  if (!a.table.diameter.empty())
+    document.set("table", Value::object({{"diameter", a.table.diameter}, {"rate", a.table.rate}}));
+  return document.set("efficiency", efficiency);
 }
 
 Value breakage_json(const Breakage& b) {
@@ -380,6 +406,7 @@ Value to_json(const PbmCase& c) {
       .set("end_time", c.end_time)
       .set("output_every", c.output_every)
       .set("relative_tolerance", c.relative_tolerance)
+      .set("kernel_tolerance", c.kernel_tolerance)
       .set("reference_volume", c.reference_volume);
 }
 

@@ -81,12 +81,26 @@ struct Efficiency {
   double asperity = 5e-6;              ///< stokes: h_a [m]
 };
 
+/// A user's rate coefficients between diameters, bilinear in ln d between them, constant beyond them.
+struct KernelTable {
+  std::vector<double> diameter;           ///< [m], ascending, shape (n)
+  std::vector<std::vector<double>> rate;  ///< C_pq [m^3/s], symmetric, shape (n, n)
+};
+
 /// beta = rate * C * psi / V_compartment. constant: C = 1 m^3/s; sum: C = v + v' in units of reference_volume; product
-/// likewise; shear: C = (d + d')^3; dem: DemRates, log-interpolated in diameter.
+/// likewise; shear: C = (d + d')^3; dem: DemRates; table: KernelTable.
 struct Aggregation {
-  enum class Kernel { constant, sum, product, shear, dem };
+  enum class Kernel { constant, sum, product, shear, dem, table };
+  /// dem and table. size: interpolated at the particles' diameters; group: constant within each size class, which a PBM
+  /// class belongs to by its dry volume at the feed's porosity (faster: no pair is looked at).
+  enum class Lookup { size, group };
+  /// How births are summed: chosen by the solver, every pair, or products of a low-rank form.
+  enum class Method { automatic, pairs, low_rank };
   Kernel kernel = Kernel::constant;
   double rate = 1.0;  ///< beta_0
+  KernelTable table;
+  Lookup lookup = Lookup::size;
+  Method method = Method::automatic;
   Efficiency efficiency;
 };
 
@@ -140,7 +154,11 @@ struct PbmCase {
   double end_time = 1.0;             ///< [s]
   double output_every = 0.2;         ///< [s] of process time: progress line, state in the output file
   double relative_tolerance = 1e-3;  ///< local error of a step, volume-weighted
-  double reference_volume = 1.0;     ///< [m^3]: unit of v in the sum, product and linear rates
+  /// Kernels and selection functions that look at liquid and porosity are re-used until volume or film of a particle
+  /// has moved by this share; low-rank forms are as near to the kernel as this share of the collision rate. 0: never
+  /// re-used, never approximate.
+  double kernel_tolerance = 1e-3;
+  double reference_volume = 1.0;  ///< [m^3]: unit of v in the sum, product and linear rates
 };
 
 /// From a parsed case.json; every problem at once. `file` opens the messages.

@@ -18,6 +18,24 @@ SolidAxis::SolidAxis(int bins, double smallest, double ratio) {
   edge_.push_back(pivot_.back());
   for (int i = 0; i < bins; ++i)
     for (int k = 0; k < bins; ++k) sum_cell_.push_back(cell(pivot_[i] + pivot_[k]));
+  list_partners();
+}
+
+void SolidAxis::list_partners() {
+  const int n = size();
+  for (int i = 0; i < n; ++i) {
+    const auto beyond = std::find(sum_cells(i), sum_cells(i) + n, n);
+    highest_partner_.push_back(static_cast<int>(beyond - sum_cells(i)) - 1);
+    for (int k = 0; k <= std::min(i, highest_partner_.back()); ++k)
+      offsets_ = std::max(offsets_, sum_cell(i, k) - i + 1);
+  }
+  partners_.resize(static_cast<std::size_t>(offsets_ * n));
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k <= std::min(i, highest_partner_[i]); ++k) {
+      PartnerRange& range = partners_[static_cast<std::size_t>((sum_cell(i, k) - i) * n + i)];
+      if (range.empty()) range.first = k;
+      range.last = k;
+    }
 }
 
 int SolidAxis::cell(double v) const {

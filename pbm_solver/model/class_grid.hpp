@@ -17,6 +17,13 @@ struct PivotShare {
   double to_upper = 0.0;
 };
 
+/// Indices first .. last; none if first > last.
+struct PartnerRange {
+  int first = 1;
+  int last = 0;
+  bool empty() const { return first > last; }
+};
+
 /// The pivots x_i = smallest q^i of one solid [m^3], each in the middle of its cell:
 ///   cell i = [e_i, e_{i+1}),  e_i = 2 x_i / (1 + q),   but cell 0 begins at 0 and the last one ends with x_{n-1}.
 /// What lies above the last pivot is outside. A solid that is absent is one class at 0.
@@ -36,14 +43,25 @@ class SolidAxis {
   /// cell(pivot(i) + pivot(k)), from a table.
   int sum_cell(int i, int k) const { return sum_cell_[static_cast<std::size_t>(i * size() + k)]; }
   const int* sum_cells(int i) const { return &sum_cell_[static_cast<std::size_t>(i * size())]; }
+  /// The i' <= i whose sum with i falls into cell i + offset lie side by side on any rising grid.
+  PartnerRange partners(int i, int offset) const { return partners_[static_cast<std::size_t>(offset * size() + i)]; }
+  /// partners() has offsets 0 .. offsets() - 1.
+  int offsets() const { return offsets_; }
+  /// Largest k such that pivot(i) + pivot(k) is in the grid; -1: none.
+  int highest_partner(int i) const { return highest_partner_[static_cast<std::size_t>(i)]; }
   /// How a mean within `cell` is shared between its pivot and the neighbour on the mean's side:
   /// to_lower + to_upper = 1 and to_lower x_lower + to_upper x_upper = mean. Below the first pivot all goes to it.
   PivotShare share(int cell, double mean) const;
 
  private:
+  void list_partners();
+
   std::vector<double> pivot_;
   std::vector<double> edge_;
   std::vector<int> sum_cell_;
+  std::vector<PartnerRange> partners_;  ///< shape (offsets_, size)
+  std::vector<int> highest_partner_;
+  int offsets_ = 1;
 };
 
 /// Class k = i * size(axis 1) + j holds particles with pivot(i) of solid 1 and pivot(j) of solid 2.

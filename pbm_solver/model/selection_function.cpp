@@ -27,25 +27,25 @@ SelectionFunction::SelectionFunction(const PbmCase& c, int compartment)
   for (const double d : c.dem->diameter) ln_diameter_.push_back(std::log(d));
 }
 
-double SelectionFunction::impact_rate(const ActiveClasses& classes, std::size_t p) const {
-  const ClassPosition at = position_of(ln_diameter_, classes.diameter[p]);
+double SelectionFunction::impact_rate(double diameter) const {
+  const ClassPosition at = position_of(ln_diameter_, std::log(diameter));
   const double low = impact_rate_[static_cast<std::size_t>(at.lower)];
   if (at.to_upper == 0.0) return factor_ * low;
   return factor_ * ((1.0 - at.to_upper) * low + at.to_upper * impact_rate_[static_cast<std::size_t>(at.lower) + 1]);
 }
 
-double SelectionFunction::operator()(const ActiveClasses& classes, std::size_t p) const {
+double SelectionFunction::operator()(double solid, const ParticleTable& particles, std::size_t at) const {
   switch (breakage_.selection) {
     case Breakage::Selection::constant:
       return breakage_.rate;
     case Breakage::Selection::linear:
-      return breakage_.rate * classes.solid[p] / reference_volume_;
+      return breakage_.rate * solid / reference_volume_;
     case Breakage::Selection::power:
-      return breakage_.rate * std::pow(classes.solid[p] / reference_volume_, breakage_.exponent);
+      return breakage_.rate * std::pow(solid / reference_volume_, breakage_.exponent);
     case Breakage::Selection::impact: {
-      const double density = 1.0 / (classes.inverse_mass[p] * classes.volume[p]);
-      const double speed = breakage_speed(breakage_, viscosity_, density, classes.porosity[p]);
-      return breakage_.rate * impact_rate(classes, p) * share_faster(impact_speed_, speed);
+      const double density = 1.0 / (particles.inverse_mass[at] * particles.volume[at]);
+      const double speed = breakage_speed(breakage_, viscosity_, density, particles.porosity[at]);
+      return breakage_.rate * impact_rate(particles.diameter[at]) * share_faster(impact_speed_, speed);
     }
   }
   return 0.0;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pbm_solver/case/pbm_case.hpp"
-#include "pbm_solver/model/active_classes.hpp"
+#include "pbm_solver/model/particles.hpp"
 
 namespace granary::pbm {
 
@@ -28,11 +28,11 @@ double share_faster(const SpeedDistribution& speeds, double speed);
 class SelectionFunction {
  public:
   SelectionFunction(const PbmCase& pbm_case, int compartment);
-  /// Of the mean particle of active class p.
-  double operator()(const ActiveClasses& classes, std::size_t p) const;
+  /// Of the mean particle at one place of a table, whose solids are `solid` [m^3].
+  double operator()(double solid, const ParticleTable& particles, std::size_t at) const;
 
  private:
-  double impact_rate(const ActiveClasses& classes, std::size_t p) const;
+  double impact_rate(double diameter) const;
 
   Breakage breakage_;
   double viscosity_;

@@ -12,7 +12,7 @@
 
 #include "common/json/io.hpp"
 #include "common/version.hpp"
-#include "pbm_solver/model/compartment.hpp"
+#include "pbm_solver/model/model_tables.hpp"
 
 namespace granary::pbm {
 namespace {

@@ -1,66 +1,76 @@
 #include "pbm_solver/time/compartment_row.hpp"
 
+#include <algorithm>
+
 namespace granary::pbm {
-namespace {
-
-Fields fields_at(const double* first, std::size_t n) {
-  return {std::span(first, n), std::span(first + n, n), std::span(first + 2 * n, n)};
-}
-
-}  // namespace
 
 CompartmentRow::CompartmentRow(const ModelTables& tables, Exchange& exchange, int threads)
-    : tables_(&tables), exchange_(&exchange), threads_(threads), n_(tables.grid.size()) {
+    : tables_(&tables),
+      exchange_(&exchange),
+      threads_(threads),
+      compartments_(static_cast<std::size_t>(exchange.share().count)),
+      n_(tables.grid.size()),
+      lanes_(static_cast<std::size_t>(tables.lanes)) {
   const Share share = exchange.share();
-  for (int x = 0; x < share.count; ++x) compartments_.emplace_back(tables, share.first + x);
+  for (int x = 0; x < share.count; x += tables.lanes)
+    blocks_.emplace_back(tables, share.first + x, std::min(tables.lanes, share.count - x));
+  if (!tables.pbm_case.compartments.residence_time) return;
   if (share.first > 0) upstream_.resize(3 * n_);
+  last_.resize(3 * n_);
+  carry_.assign(blocks_.size(), std::vector<double>(3 * n_));
 }
 
-Fields CompartmentRow::fields(std::span<const double> state, std::size_t x) const {
-  return fields_at(state.data() + x * stride(), n_);
+void CompartmentRow::unpack(std::span<const double> state, std::size_t x, std::span<double> compartment) const {
+  const double* from = &state[at(x, 0)];
+  for (std::size_t e = 0; e < compartment.size(); ++e) compartment[e] = from[e * lanes_];
+}
+
+void CompartmentRow::pack(std::span<const double> compartment, std::size_t x, std::span<double> state) const {
+  double* to = &state[at(x, 0)];
+  for (std::size_t e = 0; e < compartment.size(); ++e) to[e * lanes_] = compartment[e];
+}
+
+template <class Do>
+void CompartmentRow::for_each_block(Do&& each) {
+  const int n = static_cast<int>(blocks_.size());
+#pragma omp parallel for schedule(static, 1) num_threads(std::min(threads_, n)) if (threads_ > 1 && n > 1)
+  for (int b = 0; b < n; ++b) each(static_cast<std::size_t>(b));
+}
+
+void CompartmentRow::begin_step(std::span<const double> state, bool afresh) {
+  for_each_block([&](std::size_t b) { blocks_[b].begin_step(&state[b * stride()], afresh); });
+}
+
+/// The last compartment of the block before flows into the first lane.
+void CompartmentRow::read_carry(std::span<const double> state, std::size_t b) {
+  if (b == 0) {
+    if (!upstream_.empty()) carry_[0] = upstream_;
+    return;
+  }
+  unpack(state, b * lanes_ - 1, carry_[b]);
 }
 
 void CompartmentRow::rates(std::span<const double> state, std::span<const double> participation, Inputs inputs,
-                           std::span<double> rates) {
-  if (tables_->pbm_case.compartments.residence_time)
-    exchange_->pass_downstream(state.subspan((compartments() - 1) * stride(), 3 * n_), upstream_);
-  const int n_compartments = static_cast<int>(compartments());
-  const int parts = compartments_.front().parts();
-  // Whole compartments where they share out well: the threads then meet once instead of three times.
-  if (parts == 0 || threads_ == 1 || n_compartments % threads_ == 0 || n_compartments >= 4 * threads_) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_) if (threads_ > 1)
-    for (int x = 0; x < n_compartments; ++x) {
-      prepare(state, participation, x);
-      for (int part = 0; part < parts; ++part) compartments_[static_cast<std::size_t>(x)].run_part(part);
-      finish(state, inputs, x, rates);
-    }
-    return;
+                           std::span<double> rates, bool breakage) {
+  const bool flow = !last_.empty();
+  if (flow) {
+    unpack(state, compartments_ - 1, last_);
+    exchange_->pass_downstream(last_, upstream_);
   }
-#pragma omp parallel num_threads(threads_)
-  {
-#pragma omp for schedule(static)
-    for (int x = 0; x < n_compartments; ++x) prepare(state, participation, x);
-#pragma omp for schedule(dynamic, 1)
-    for (int task = 0; task < n_compartments * parts; ++task)
-      compartments_[static_cast<std::size_t>(task / parts)].run_part(task % parts);
-#pragma omp for schedule(static)
-    for (int x = 0; x < n_compartments; ++x) finish(state, inputs, x, rates);
-  }
+  for_each_block([&](std::size_t b) {
+    const bool carried = flow && (b > 0 || !upstream_.empty());
+    if (carried) read_carry(state, b);
+    blocks_[b].rates(&state[b * stride()], participation.empty() ? nullptr : &participation[b * n_ * lanes_],
+                     carried ? carry_[b].data() : nullptr, inputs, breakage, &rates[b * stride()]);
+  });
 }
 
-void CompartmentRow::prepare(std::span<const double> state, std::span<const double> participation, int x) {
-  const auto at = static_cast<std::size_t>(x);
-  compartments_[at].prepare(fields(state, at),
-                            participation.empty() ? participation : participation.subspan(at * n_, n_));
+void CompartmentRow::add_breakage(double factor, std::span<const double> state, std::span<double> out) {
+  for_each_block([&](std::size_t b) { blocks_[b].add_breakage(factor, &state[b * stride()], &out[b * stride()]); });
 }
 
-void CompartmentRow::finish(std::span<const double> state, Inputs inputs, int x, std::span<double> rates) {
-  const auto at = static_cast<std::size_t>(x);
-  const Fields above = x > 0 ? fields(state, at - 1) : upstream_.empty() ? Fields{} : fields_at(upstream_.data(), n_);
-  double* out = rates.data() + at * stride();
-  compartments_[at].finish(fields(state, at), above, inputs,
-                           {std::span(out, n_), std::span(out + n_, n_), std::span(out + 2 * n_, n_)},
-                           std::span(out + 3 * n_, ledger::kSize));
+void CompartmentRow::solve_breakage(double gamma, std::span<double> state) {
+  for_each_block([&](std::size_t b) { blocks_[b].solve_breakage(gamma, &state[b * stride()]); });
 }
 
 }  // namespace granary::pbm

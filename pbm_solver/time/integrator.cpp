@@ -45,15 +45,15 @@ Integrator::Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& c
       tolerance_(c.relative_tolerance),
       brought_(brought_between_outputs(c, row.grid())),
       control_(last_error),
-      sizes_(row.compartments() * row.classes()),
+      sizes_(row.class_values()),
       slow_down_(row.compartments()),
       shorten_(row.compartments()),
-      first_loss_(row.compartments() * row.classes()) {
+      first_loss_(row.class_values()) {
   for (auto* list : {&f0_, &f1_, &f2_, &f3_, &stage_, &new_state_, &first_rates_}) list->resize(row.size());
 }
 
 void Integrator::evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs,
-                          std::vector<double>& rates) {
+                          LaneVector& rates) {
   row_->rates(state, participation, inputs, rates);
   ++work_.rhs_evaluations;
 }
@@ -64,8 +64,7 @@ void Integrator::mark_small_classes(std::span<const double> state) {
   const std::span<const double> solid = row_->grid().solid();
   std::vector<std::size_t> order(n);
   for (std::size_t x = 0; x < row_->compartments(); ++x) {
-    const Fields f = row_->fields(state, x);
-    const auto held = [&](std::size_t k) { return solid[k] * f.number[k]; };
+    const auto held = [&](std::size_t k) { return solid[k] * state[row_->at(x, k)]; };
     double total = 0.0, sum = 0.0;
     for (std::size_t k = 0; k < n; ++k) total += held(k);
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -73,9 +72,9 @@ void Integrator::mark_small_classes(std::span<const double> state) {
               [&](std::size_t a, std::size_t b) { return std::pair(held(a), a) < std::pair(held(b), b); });
     for (const std::size_t k : order) {
       sum += held(k);
-      sizes_[x * n + k] = sum >= kSmall * tolerance_ * total ? Size::large
-                          : held(k) < kDust * total          ? Size::dust
-                                                             : Size::small;
+      sizes_[row_->by_class(x, k)] = sum >= kSmall * tolerance_ * total ? Size::large
+                                     : held(k) < kDust * total          ? Size::dust
+                                                                        : Size::small;
     }
   }
 }
@@ -83,16 +82,16 @@ void Integrator::mark_small_classes(std::span<const double> state) {
 /// Whether a class is to be slowed down for a step of h: small, faster than the step, and emptied by it. Dust in any
 /// case: its births may stop in a later stage.
 bool Integrator::slowed_down(std::span<const double> state, std::size_t x, std::size_t k, double h) const {
-  const std::size_t n = row_->classes();
-  const Size size = sizes_[x * n + k];
-  if (size == Size::large || 0.5 * h * first_loss_[x * n + k] <= kMargin) return false;
+  const Size size = sizes_[row_->by_class(x, k)];
+  if (size == Size::large || 0.5 * h * first_loss_[row_->by_class(x, k)] <= kMargin) return false;
   return size == Size::dust || emptied(state, x, k, h);
 }
 
 bool Integrator::emptied(std::span<const double> state, std::size_t x, std::size_t k, double h) const {
-  const std::size_t first = x * row_->stride() + k, n = row_->classes();
-  for (std::size_t at = first; at < first + 3 * n; at += n)
+  for (std::size_t q = 0; q < 3; ++q) {
+    const std::size_t at = row_->at(x, q * row_->classes() + k);
     if (state[at] + 0.5 * h * first_rates_[at] < 0.0) return true;
+  }
   return false;
 }
 
@@ -103,9 +102,11 @@ double Integrator::limit_by_emptying(std::span<const double> state, double h) co
   for (std::size_t x = 0; x < row_->compartments(); ++x)
     for (std::size_t k = 0; k < n; ++k) {
       if (!emptied(state, x, k, h) || slowed_down(state, x, k, h)) continue;
-      for (std::size_t at = x * row_->stride() + k, q = 0; q < 3; ++q, at += n)
+      for (std::size_t q = 0; q < 3; ++q) {
+        const std::size_t at = row_->at(x, q * n + k);
         if (state[at] + 0.5 * h * first_rates_[at] < 0.0)
           limit = std::min(limit, kMargin * 2.0 * state[at] / -first_rates_[at]);
+      }
     }
   return limit;
 }
@@ -117,13 +118,12 @@ double Integrator::limit_by_filling(std::span<const double> state, double h) con
   const std::span<const double> solid = row_->grid().solid();
   double limit = h;
   for (std::size_t x = 0; x < row_->compartments(); ++x) {
-    const double* number = &state[x * row_->stride()];
-    const double* rate = &first_rates_[x * row_->stride()];
     double held = 0.0, born = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
-      held += solid[k] * number[k];
-      if (sizes_[x * n + k] == Size::small && slowed_down(state, x, k, h))
-        born += solid[k] * std::max(0.0, rate[k] + first_loss_[x * n + k] * number[k]);
+      const double number = state[row_->at(x, k)], rate = first_rates_[row_->at(x, k)];
+      held += solid[k] * number;
+      if (sizes_[row_->by_class(x, k)] == Size::small && slowed_down(state, x, k, h))
+        born += solid[k] * std::max(0.0, rate + first_loss_[row_->by_class(x, k)] * number);
     }
     if (born > 0.0) limit = std::min(limit, 0.5 * kSmall * tolerance_ * held / born);
   }
@@ -142,11 +142,11 @@ double Integrator::limit_first_stage(std::span<const double> state, Inputs input
   h = smallest(limit_by_filling(state, h));
   const std::size_t n = row_->classes();
   bool any = false;
-  participation_.assign(row_->compartments() * n, 1.0);
+  participation_.assign(row_->class_values(), 1.0);
   for (std::size_t x = 0; x < row_->compartments(); ++x)
     for (std::size_t k = 0; k < n; ++k) {
       if (!slowed_down(state, x, k, h)) continue;
-      participation_[x * n + k] = kMargin / (0.5 * h * first_loss_[x * n + k]);
+      participation_[row_->by_class(x, k)] = kMargin / (0.5 * h * first_loss_[row_->by_class(x, k)]);
       any = true;
     }
   if (smallest(any ? 0.0 : 1.0) == 0.0) {
@@ -165,20 +165,20 @@ void Integrator::check(std::span<const double> stage) {
   for (std::size_t x = 0; x < row_->compartments(); ++x)
     for (std::size_t q = 0; q < 3; ++q)
       for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t at = x * row_->stride() + q * n + k;
+        const std::size_t at = row_->at(x, q * n + k);
         if (!(stage[at] < 0.0)) continue;
-        const bool large = sizes_[x * n + k] == Size::large;
+        const bool large = sizes_[row_->by_class(x, k)] == Size::large;
         (large ? shorten_ : slow_down_)[x] = 1.0;
         if (large) continue;
-        if (participation_.empty()) participation_.assign(row_->compartments() * n, 1.0);
-        participation_[x * n + k] *= 0.5;
+        if (participation_.empty()) participation_.assign(row_->class_values(), 1.0);
+        participation_[row_->by_class(x, k)] *= 0.5;
       }
 }
 
 void Integrator::run_stages(std::span<const double> u, Inputs inputs, double h) {
   std::fill(slow_down_.begin(), slow_down_.end(), 0.0);
   std::fill(shorten_.begin(), shorten_.end(), 0.0);
-  const std::vector<double> during = participation_;
+  const LaneVector during = participation_;
   const std::size_t size = row_->size();
   for (std::size_t k = 0; k < size; ++k) stage_[k] = u[k] + 0.5 * h * f0_[k];
   check(stage_);
@@ -204,7 +204,7 @@ Integrator::Judgement Integrator::judge(std::span<const double> state, double h)
     std::array<double, kQuantities> before{};
     for (std::size_t q = 0; q < 3; ++q)
       for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t at = x * row_->stride() + q * n + k;
+        const std::size_t at = row_->at(x, q * n + k);
         const double e = std::abs(h * (3.0 * f3_[at] - f0_[at] - f1_[at] - f2_[at]) / 12.0);
         const std::size_t to = q == 0 ? 0 : q + 1;
         error[to] += e, held[to] += new_state_[at], before[to] += state[at];
@@ -244,11 +244,12 @@ Integrator::Judgement Integrator::judge(std::span<const double> state, double h)
 
 Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest,
                                           double shortest) {
+  row_->begin_step(state, false);
   mark_small_classes(state);
   evaluate(state, {}, inputs, first_rates_);
-  for (std::size_t x = 0; x < row_->compartments(); ++x)
-    std::copy(row_->loss_rate(x).begin(), row_->loss_rate(x).end(),
-              first_loss_.begin() + static_cast<std::ptrdiff_t>(x * row_->classes()));
+  for (std::size_t b = 0; b < row_->blocks(); ++b)
+    std::copy(row_->loss_rate(b).begin(), row_->loss_rate(b).end(),
+              first_loss_.begin() + static_cast<std::ptrdiff_t>(b * row_->classes() * row_->lanes()));
   const double asked = h;
   Judgement last;
   bool repeat = false;  // the same step again, with classes slowed down further

@@ -73,8 +73,7 @@ class Integrator {
   double next_step(double taken, double longest, bool was_cut, double error);
   Judgement judge(std::span<const double> state, double h);
   void check(std::span<const double> stage);
-  void evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs,
-                std::vector<double>& rates);
+  void evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs, LaneVector& rates);
   void mark_small_classes(std::span<const double> state);
   Error too_hard(double time, double h, const Judgement& last) const;
 
@@ -85,12 +84,12 @@ class Integrator {
   std::array<double, 4> brought_{};  ///< by feed and spray between two outputs: number, solid, liquid, gas
   StepControl control_;
   WorkCount work_;
-  std::vector<double> f0_, f1_, f2_, f3_, stage_, new_state_;
-  std::vector<double> first_rates_;    ///< f(state) with full participation
-  std::vector<double> participation_;  ///< shape (compartments, n_classes); empty: 1 everywhere
-  std::vector<Size> sizes_;            ///< what a class holds, shape (compartments, n_classes)
-  std::vector<double> slow_down_;      ///< per compartment: 1 if a small class went negative in a stage
-  std::vector<double> shorten_;        ///< per compartment: 1 if another did
+  LaneVector f0_, f1_, f2_, f3_, stage_, new_state_;
+  LaneVector first_rates_;          ///< f(state) with full participation
+  LaneVector participation_;        ///< shape (compartments, n_classes); empty: 1 everywhere
+  std::vector<Size> sizes_;         ///< what a class holds, shape (compartments, n_classes)
+  std::vector<double> slow_down_;   ///< per compartment: 1 if a small class went negative in a stage
+  std::vector<double> shorten_;     ///< per compartment: 1 if another did
   std::vector<double> first_loss_;  ///< loss rates that belong to first_rates_ [1/s], shape (compartments, n_classes)
 };
 

@@ -20,12 +20,13 @@ Simulation::Simulation(const PbmCase& c, const Snapshot& start, Exchange& exchan
       state_(row_.size()),
       time_(start.time),
       next_step_(start.next_step > 0.0 ? start.next_step : kFirstStep * c.output_every) {
-  const std::size_t n = row_.classes(), first = static_cast<std::size_t>(exchange.share().first);
+  const auto first = static_cast<std::size_t>(exchange.share().first);
+  std::vector<double> one(values_per_compartment());
   for (std::size_t x = 0; x < row_.compartments(); ++x) {
-    double* to = &state_[x * row_.stride()];
-    for (const auto* field : {&start.number, &start.liquid, &start.gas})
-      to = std::copy_n(field->begin() + static_cast<std::ptrdiff_t>((first + x) * n), n, to);
-    std::copy_n(start.ledger.begin() + static_cast<std::ptrdiff_t>((first + x) * ledger::kSize), ledger::kSize, to);
+    auto to = one.begin();
+    for (const auto& [list, n] : lists_of(start))
+      to = std::copy_n(list->begin() + static_cast<std::ptrdiff_t>((first + x) * n), n, to);
+    row_.pack(one, x, state_);
   }
 }
 
@@ -41,6 +42,8 @@ double Simulation::next_switch(double until) const {
 }
 
 Result<bool> Simulation::advance(double until, const std::function<bool()>& go_on) {
+  // A restart from here must find the same kernels as a run that goes on.
+  row_.begin_step(state_, true);
   const double shortest = kShortestStep * tables_->pbm_case.output_every;
   while (time_ < until) {
     const double stop = next_switch(until);
@@ -58,18 +61,17 @@ Result<bool> Simulation::advance(double until, const std::function<bool()>& go_o
 }
 
 Snapshot Simulation::snapshot() {
-  const std::size_t n = row_.classes(), n_compartments = static_cast<std::size_t>(tables_->pbm_case.compartments.count);
-  std::vector<double> all(n_compartments * row_.stride());
-  exchange_->gather(state_, all);
+  const std::size_t each = values_per_compartment();
+  std::vector<double> mine(row_.compartments() * each);
+  std::vector<double> all(static_cast<std::size_t>(tables_->pbm_case.compartments.count) * each);
+  for (std::size_t x = 0; x < row_.compartments(); ++x) row_.unpack(state_, x, std::span(mine).subspan(x * each, each));
+  exchange_->gather(mine, all);
   Snapshot s{time_, next_step_, integrator_.last_error(), {}, {}, {}, {}};
-  for (std::size_t x = 0; x < n_compartments; ++x) {
-    auto from = all.begin() + static_cast<std::ptrdiff_t>(x * row_.stride());
-    for (auto* field : {&s.number, &s.liquid, &s.gas}) {
-      field->insert(field->end(), from, from + static_cast<std::ptrdiff_t>(n));
+  for (auto from = all.begin(); from != all.end();)
+    for (const auto& [list, n] : lists_of(s)) {
+      list->insert(list->end(), from, from + static_cast<std::ptrdiff_t>(n));
       from += static_cast<std::ptrdiff_t>(n);
     }
-    s.ledger.insert(s.ledger.end(), from, from + static_cast<std::ptrdiff_t>(ledger::kSize));
-  }
   return s;
 }
 

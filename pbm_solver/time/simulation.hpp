@@ -1,8 +1,10 @@
 // A run of one case in memory: the state, the clock, and going on to a given time. Files and signals are its caller's.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/result.hpp"
@@ -34,12 +36,19 @@ class Simulation {
 
  private:
   double next_switch(double until) const;
+  std::size_t values_per_compartment() const { return 3 * row_.classes() + ledger::kSize; }
+  /// The lists of a snapshot in the order of a compartment's values, each with its values per compartment.
+  template <class AnySnapshot>
+  auto lists_of(AnySnapshot& s) const {
+    return std::array{std::pair(&s.number, row_.classes()), std::pair(&s.liquid, row_.classes()),
+                      std::pair(&s.gas, row_.classes()), std::pair(&s.ledger, std::size_t{ledger::kSize})};
+  }
 
   std::unique_ptr<ModelTables> tables_;  ///< the row points into it
   Exchange* exchange_;
   CompartmentRow row_;
   Integrator integrator_;
-  std::vector<double> state_;
+  LaneVector state_;
   double time_;
   double next_step_;
 };

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "pbm_solver/model/compartment.hpp"
+#include "pbm_solver/model/model_tables.hpp"
 
 namespace granary::pbm {
 

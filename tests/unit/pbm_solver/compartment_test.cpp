@@ -1,5 +1,5 @@
-// The rates of one compartment: every mechanism's balance closes, whatever the state.
-#include "pbm_solver/model/compartment.hpp"
+// The rates of a block of compartments: every mechanism's balance closes, whatever the state.
+#include "pbm_solver/model/compartment_block.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "pbm_solver/model/cell_average.hpp"
 #include "tests/support/pbm_cases.hpp"
 
 namespace granary::pbm {
@@ -36,14 +37,32 @@ struct Rates {
   std::vector<double> number, liquid, gas, flows;
 };
 
+/// Of compartment `index`, which is in its own lane; the others are empty.
 Rates rates_of(const ModelTables& tables, Fields state, Inputs inputs = {}, int index = 0,
                std::span<const double> participation = {}) {
-  Compartment compartment(tables, index);
-  const std::size_t n = tables.grid.size();
-  Rates r{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<double>(ledger::kSize)};
-  compartment.prepare(state, participation);
-  for (int part = 0; part < compartment.parts(); ++part) compartment.run_part(part);
-  compartment.finish(state, {}, inputs, {r.number, r.liquid, r.gas}, r.flows);
+  const std::size_t n = tables.grid.size(), lanes = static_cast<std::size_t>(tables.lanes);
+  const int first = index / tables.lanes * tables.lanes, count = tables.pbm_case.compartments.count - first;
+  const auto lane = static_cast<std::size_t>(index - first);
+  CompartmentBlock block(tables, first, std::min(count, tables.lanes));
+  LaneVector packed(block.stride()), rates(block.stride()), part;
+  for (std::size_t k = 0; k < n; ++k) {
+    packed[k * lanes + lane] = state.number[k];
+    packed[(n + k) * lanes + lane] = state.liquid[k];
+    packed[(2 * n + k) * lanes + lane] = state.gas[k];
+  }
+  if (!participation.empty()) {
+    part.assign(n * lanes, 1.0);
+    for (std::size_t k = 0; k < n; ++k) part[k * lanes + lane] = participation[k];
+  }
+  block.begin_step(packed.data(), true);
+  block.rates(packed.data(), part.empty() ? nullptr : part.data(), nullptr, inputs, true, rates.data());
+  Rates r;
+  const auto take = [&](std::size_t from, std::size_t count_of) {
+    std::vector<double> list;
+    for (std::size_t e = from; e < from + count_of; ++e) list.push_back(rates[e * lanes + lane]);
+    return list;
+  };
+  r.number = take(0, n), r.liquid = take(n, n), r.gas = take(2 * n, n), r.flows = take(3 * n, ledger::kSize);
   return r;
 }
 

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
-#include "pbm_solver/model/daughter_distribution.hpp"
+#include "pbm_solver/model/breakage_operator.hpp"
+#include "pbm_solver/model/simd/lanes.hpp"
 
 namespace granary::pbm {
 namespace {
@@ -10,98 +12,107 @@ namespace {
 constexpr Breakage::Daughters kAll[] = {Breakage::Daughters::uniform_binary, Breakage::Daughters::halves,
                                         Breakage::Daughters::same_composition};
 
-BirthGrid births_from(const ClassGrid& grid, const DaughterDistribution& daughters, std::size_t parent) {
-  Broken broken{std::vector<double>(grid.size()), std::vector<double>(grid.size()), std::vector<double>(grid.size())};
-  broken.number[parent] = 3.0;
-  broken.liquid[parent] = 0.7;
-  broken.gas[parent] = 0.4;
-  BirthGrid births(grid);
-  daughters.add_births(grid, broken, births);
-  return births;
-}
-
-Birth sum_of(const ClassGrid& grid, const BirthGrid& births) {
-  Birth sum = births.oversize();
-  for (int i = 0; i < grid.axis(0).size(); ++i)
-    for (int j = 0; j < grid.axis(1).size(); ++j) sum += births.at(i, j);
-  return sum;
-}
-
-TEST(Daughters, AreTwoAndHoldAllOfTheParent) {
+TEST(Fragments, AreTwoAndHoldAllOfTheParent) {
   for (const double ratio : {1.3, 2.0, 3.0})
     for (const auto model : kAll) {
       const ClassGrid grid(Grid{{12, 9}, {1.0, 0.5}, {ratio, 2.2}});
-      const DaughterDistribution daughters(grid, model);
+      const Fragments fragments(grid, model);
       int broke = 0;
       for (std::size_t k = 0; k < grid.size(); ++k) {
-        if (!daughters.divisible(k)) continue;
+        if (!fragments.divisible(k)) continue;
         ++broke;
-        const Birth sum = sum_of(grid, births_from(grid, daughters, k));
-        EXPECT_NEAR(sum.number, 6.0, 1e-12);
-        EXPECT_NEAR(sum.solid_1, 3.0 * grid.solid_1()[k], 1e-12 * sum.solid_1);
-        EXPECT_NEAR(sum.solid_2, 3.0 * grid.solid_2()[k], 1e-12 * sum.solid_2);
-        EXPECT_NEAR(sum.liquid, 0.7, 1e-12);
-        EXPECT_NEAR(sum.gas, 0.4, 1e-12);
+        double number = 0.0, solid_1 = 0.0, solid_2 = 0.0;
+        for (std::size_t to = 0; to < grid.size(); ++to) {
+          const double weight = fragments.weight(to, k);
+          EXPECT_GE(weight, 0.0);
+          number += weight, solid_1 += weight * grid.solid_1()[to], solid_2 += weight * grid.solid_2()[to];
+        }
+        EXPECT_NEAR(number, 2.0, 1e-12);
+        EXPECT_NEAR(solid_1, grid.solid_1()[k], 1e-12 * solid_1);
+        EXPECT_NEAR(solid_2, grid.solid_2()[k], 1e-12 * solid_2);
       }
       EXPECT_GT(broke, 40);
     }
 }
 
-TEST(Daughters, LieWithinTheCellsTheyAreCountedIn) {
+TEST(Fragments, AreNoLargerThanTheParentInEitherSolid) {
   for (const auto model : kAll) {
     const ClassGrid grid(Grid{{10, 10}, {1.0, 1.0}, {1.8, 1.8}});
-    const DaughterDistribution daughters(grid, model);
-    const BirthGrid births = births_from(grid, daughters, grid.index(9, 7));
-    for (int i = 0; i < 10; ++i)
-      for (int j = 0; j < 10; ++j) {
-        const Birth& b = births.at(i, j);
-        if (b.number == 0.0) continue;
-        EXPECT_GT(b.number, 0.0);
-        EXPECT_GE(b.solid_1 / b.number, std::max(1.0, grid.axis(0).lower_edge(i)) * (1 - 1e-12));
-        EXPECT_LE(b.solid_1 / b.number, grid.axis(0).lower_edge(i + 1) * (1 + 1e-12));
-        EXPECT_GE(b.solid_2 / b.number, std::max(1.0, grid.axis(1).lower_edge(j)) * (1 - 1e-12));
-        EXPECT_LE(b.solid_2 / b.number, grid.axis(1).lower_edge(j + 1) * (1 + 1e-12));
-      }
+    const Fragments fragments(grid, model);
+    for (std::size_t k = 0; k < grid.size(); ++k)
+      for (std::size_t to = 0; to < grid.size(); ++to)
+        if (fragments.weight(to, k) != 0.0) {
+          EXPECT_LE(to / 10, k / 10);
+          EXPECT_LE(to % 10, k % 10);
+        }
   }
 }
 
-TEST(Daughters, AreUniformOverTheCells) {
-  // Away from the ends the number in a cell is 2 (its area) / (x1 x2) of the parents.
+TEST(Fragments, AreUniformOverTheCells) {
+  // Away from the ends the mean of a cell is its pivot, and the number there 2 (the cell's area) / (x1 x2).
   const ClassGrid grid(Grid{{12, 12}, {1e-3, 1e-3}, {2.0, 2.0}});
-  const DaughterDistribution daughters(grid, Breakage::Daughters::uniform_binary);
-
-  const BirthGrid births = births_from(grid, daughters, grid.index(11, 10));
+  const Fragments fragments(grid, Breakage::Daughters::uniform_binary);
 
   const auto width = [](const SolidAxis& axis, int i) { return axis.lower_edge(i + 1) - axis.lower_edge(i); };
-  for (int i = 1; i < 10; ++i)
-    for (int j = 1; j < 9; ++j) {
-      const double expected = 3.0 * 2.0 * width(grid.axis(0), i) * width(grid.axis(1), j) /
-                              (grid.axis(0).pivot(11) * grid.axis(1).pivot(10));
-      EXPECT_NEAR(births.at(i, j).number, expected, 1e-12 * expected);
+  for (int i = 2; i < 9; ++i)
+    for (int j = 2; j < 8; ++j) {
+      const double expected =
+          2.0 * width(grid.axis(0), i) * width(grid.axis(1), j) / (grid.axis(0).pivot(11) * grid.axis(1).pivot(10));
+      EXPECT_NEAR(fragments.weight(grid.index(i, j), grid.index(11, 10)), expected, 1e-12 * expected);
     }
 }
 
-TEST(Daughters, OfTheSameCompositionKeepIt) {
+TEST(Fragments, OfTheSameCompositionKeepItOnTheDiagonal) {
   const ClassGrid grid(Grid{{14, 14}, {1.0, 1.0}, {1.5, 1.5}});
-  const DaughterDistribution daughters(grid, Breakage::Daughters::same_composition);
+  const Fragments fragments(grid, Breakage::Daughters::same_composition);
 
-  const BirthGrid births = births_from(grid, daughters, grid.index(13, 9));
+  double off = 0.0;
+  for (std::size_t to = 0; to < grid.size(); ++to)
+    off += std::abs(fragments.weight(to, grid.index(13, 13)) * (grid.solid_1()[to] - grid.solid_2()[to]));
 
-  const double composition = grid.axis(0).pivot(13) / grid.axis(1).pivot(9);
+  // Tensor weights of one mean (m, m) go to four pivots, two of them off the diagonal by a cell, never more.
   for (int i = 0; i < 14; ++i)
     for (int j = 0; j < 14; ++j)
-      if (births.at(i, j).number > 0.0) {
-        EXPECT_NEAR(births.at(i, j).solid_1 / births.at(i, j).solid_2, composition, 1e-12 * composition);
+      if (std::abs(i - j) > 1) {
+        EXPECT_EQ(fragments.weight(grid.index(i, j), grid.index(13, 13)), 0.0);
       }
+  EXPECT_LT(off, 0.3 * grid.solid()[grid.index(13, 13)]);
 }
 
-TEST(Daughters, OfTheSmallestClassesAreNone) {
+TEST(Fragments, OfTheSmallestClassesAreNone) {
   const ClassGrid grid(Grid{{5, 5}, {1.0, 1.0}, {2.0, 1.5}});
-  const DaughterDistribution daughters(grid, Breakage::Daughters::uniform_binary);
+  const Fragments fragments(grid, Breakage::Daughters::uniform_binary);
 
-  EXPECT_FALSE(daughters.divisible(grid.index(0, 4)));
-  EXPECT_FALSE(daughters.divisible(grid.index(4, 1)));  // 1.5 < 2
-  EXPECT_TRUE(daughters.divisible(grid.index(1, 2)));   // exactly 2, and 2.25
+  EXPECT_FALSE(fragments.divisible(grid.index(0, 4)));
+  EXPECT_FALSE(fragments.divisible(grid.index(4, 1)));  // 1.5 < 2
+  EXPECT_TRUE(fragments.divisible(grid.index(1, 2)));   // exactly 2, and 2.25
+}
+
+TEST(Fragments, AreTakenBackBySolvingForThem) {
+  // (1 - gamma A) y computed by adding, then solved: y comes back, for any model and both kinds of lanes.
+  for (const auto model : kAll)
+    for (const int lanes : {1, 8}) {
+      const ClassGrid grid(Grid{{9, 7}, {1.0, 0.5}, {1.9, 2.2}});
+      const Fragments fragments(grid, model);
+      const auto width = static_cast<std::size_t>(lanes);
+      const std::size_t n = grid.size() * width;
+      LaneVector selection(n), y(n), scratch(2 * n);
+      for (std::size_t k = 0; k < n; ++k) {
+        y[k] = 1.0 + static_cast<double>(k % 13);
+        if (fragments.divisible(k / width)) selection[k] = std::pow(10.0, static_cast<double>(k % 7) - 2.0);
+      }
+      const simd::GridView view{9, 7, grid.axis(0).pivots().data(), grid.axis(1).pivots().data()};
+      for (const double* scale : {static_cast<const double*>(nullptr), grid.solid().data()}) {
+        LaneVector r = y;
+        simd::operations(lanes).add_breakage(view, fragments.view(), selection.data(), scale, -0.3, y.data(),
+                                             scratch.data(), r.data());
+
+        simd::operations(lanes).solve_breakage(view, fragments.view(), selection.data(), scale, 0.3, scratch.data(),
+                                               r.data());
+
+        for (std::size_t k = 0; k < n; ++k) EXPECT_NEAR(r[k], y[k], 1e-9 * y[k]);
+      }
+    }
 }
 
 }  // namespace

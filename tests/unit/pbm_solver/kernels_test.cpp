@@ -6,9 +6,8 @@
 #include <functional>
 
 #include "common/units.hpp"
-#include "pbm_solver/model/aggregation_kernel.hpp"
-#include "pbm_solver/model/collision_efficiency.hpp"
 #include "pbm_solver/model/consolidation.hpp"
+#include "pbm_solver/model/pair_kernel.hpp"
 #include "pbm_solver/model/selection_function.hpp"
 #include "tests/support/pbm_cases.hpp"
 
@@ -32,7 +31,7 @@ double sticking_share(const StokesCriterion& c, double d_p, double m_p, double h
                       double h_q) {
   const double inverse_d[] = {1 / d_q, 1 / d_p}, inverse_m[] = {1 / m_q, 1 / m_p}, film[] = {h_q, h_p};
   double beta[] = {1.0, 1.0};
-  multiply_by_sticking_share(c, {inverse_d, inverse_m, film}, 1, 2, beta);
+  multiply_by_sticking_share(c, {inverse_d, inverse_m, film}, 1, 0, 2, 1, beta);
   return beta[0];
 }
 
@@ -85,11 +84,11 @@ TEST(CollisionEfficiency, GivesTheSameForEveryLengthOfTheRow) {
     film[q] = 6e-6 + 1e-6 * static_cast<double>(q);
   }
   std::vector<double> whole(37, 2.0);
-  multiply_by_sticking_share(c, {d.data(), m.data(), film.data()}, 5, 37, whole.data());
+  multiply_by_sticking_share(c, {d.data(), m.data(), film.data()}, 5, 0, 37, 1, whole.data());
 
   for (std::size_t n = 1; n <= 37; ++n) {
     std::vector<double> part(n, 2.0);
-    multiply_by_sticking_share(c, {d.data(), m.data(), film.data()}, 5, n, part.data());
+    multiply_by_sticking_share(c, {d.data(), m.data(), film.data()}, 5, 0, n, 1, part.data());
     for (std::size_t q = 0; q < n; ++q) EXPECT_NEAR(part[q], whole[q], 1e-14);
   }
 }
@@ -113,13 +112,13 @@ TEST(SelectionFunction, HasTheBreakageSpeedOfTheDerivedFormula) {
   EXPECT_TRUE(std::isinf(breakage_speed(b, 0.05, density, 0.0)));
 }
 
-TEST(DemKernel, GivesTheTableBackAtItsClassCentres) {
+TEST(RateTable, GivesTheTableBackAtItsClassCentres) {
   const PbmCase c = testing::a_granulator();
   DemRates dem = *c.dem;
   for (std::size_t p = 0; p < dem.diameter.size(); ++p)
     for (std::size_t q = 0; q < dem.diameter.size(); ++q)
       dem.collision_rate[p][q] *= 1.0 + 0.1 * static_cast<double>(p * q % 7);
-  const DemKernel kernel(dem);
+  const RateTable kernel(dem.diameter, dem.collision_rate, RateTable::Law::orthokinetic);
 
   for (std::size_t p = 0; p < dem.diameter.size(); ++p)
     for (std::size_t q = 0; q < dem.diameter.size(); ++q) {
@@ -128,46 +127,61 @@ TEST(DemKernel, GivesTheTableBackAtItsClassCentres) {
     }
 }
 
-TEST(DemKernel, IsSymmetricAndFollowsTheOrthokineticLawBeyondItsClasses) {
+TEST(RateTable, IsSymmetricAndFollowsTheOrthokineticLawBeyondItsClasses) {
   DemRates dem;
   dem.diameter = {1e-4, 2e-4};
   dem.collision_rate = {{1e-12, 3e-12}, {3e-12, 5e-12}};
-  const DemKernel kernel(dem);
+  const RateTable kernel(dem.diameter, dem.collision_rate, RateTable::Law::orthokinetic);
 
   EXPECT_DOUBLE_EQ(kernel(1.3e-4, 1.9e-4), kernel(1.9e-4, 1.3e-4));
   EXPECT_NEAR(kernel(1e-5, 1e-5) / 1e-12, 1e-3, 1e-12);  // ten times smaller: a thousandth
   EXPECT_NEAR(kernel(4e-4, 4e-4) / 5e-12, 8.0, 1e-11);
 }
 
-TEST(DemKernel, TakesZerosAndASingleClass) {
+TEST(RateTable, TakesZerosAndASingleClass) {
   DemRates dem;
   dem.diameter = {1e-4};
   dem.collision_rate = {{0.0}};
-  EXPECT_EQ(DemKernel(dem)(1e-4, 1e-3), 0.0);
+  const auto kernel = [&] { return RateTable(dem.diameter, dem.collision_rate, RateTable::Law::orthokinetic); };
+  EXPECT_EQ(kernel()(1e-4, 1e-3), 0.0);
   dem.collision_rate = {{8.0}};
-  EXPECT_NEAR(DemKernel(dem)(5e-5, 5e-5), 1.0, 1e-12);
+  EXPECT_NEAR(kernel()(5e-5, 5e-5), 1.0, 1e-12);
 }
 
-TEST(AggregationKernel, RowAgreesWithTheKernelOfEachPair) {
-  const PbmCase c = testing::a_granulator(6, 2);
-  PbmCase plain = c;
-  plain.aggregation->efficiency.model = Efficiency::Model::constant;
-  plain.aggregation->rate = 3.0;
-  plain.dem->compartment_factor = {1.0, 0.25};
+TEST(RateTable, OfAUserIsFlatBeyondItsEnds) {
+  const RateTable kernel({1e-4, 4e-4}, {{1.0, 3.0}, {3.0, 5.0}}, RateTable::Law::flat);
+
+  EXPECT_DOUBLE_EQ(kernel(1e-5, 1e-5), 1.0);
+  EXPECT_DOUBLE_EQ(kernel(1.0, 1e-5), 3.0);
+  EXPECT_NEAR(kernel(2e-4, 2e-4), 3.0, 1e-12);  // the middle in ln d, both ways
+}
+
+TEST(PairKernel, RowAgreesWithTheKernelOfEachPairInEveryLane) {
+  PbmCase c = testing::a_granulator(6, 8);
+  c.aggregation->efficiency.model = Efficiency::Model::constant;
+  c.aggregation->efficiency.value = 1.0;
+  c.aggregation->rate = 3.0;
+  for (int x = 0; x < 8; ++x) c.dem->compartment_factor.push_back(1.0 + x);
   const ClassGrid grid(c.grid);
-  std::vector<double> number(grid.size(), 10.0), liquid(grid.size(), 1e-15), gas(grid.size(), 2e-15);
-  ActiveClasses classes;
-  const DemKernel dem(*c.dem);
-  classes.assign(grid, c.materials, {number, liquid, gas}, {}, dem.ln_diameter());
-  const AggregationKernel kernel(plain, 1);
+  const SolidLanes solids(grid, c.materials, 8);
+  ParticleTable particles(solids, c.materials);
+  LaneVector number(grid.size() * 8, 10.0), liquid(number.size(), 1e-15), gas(number.size(), 2e-15);
+  for (std::size_t k = 0; k < gas.size(); ++k) gas[k] *= static_cast<double>(k % 8);
+  particles.look_at(number.data(), liquid.data(), gas.data());
+  particles.remember();
+  PairKernel kernel(c, grid, 0, 8, 8);
+  kernel.look_at(particles);
+  const RateTable table(c.dem->diameter, c.dem->collision_rate, RateTable::Law::orthokinetic);
 
-  std::vector<double> beta(classes.size());
-  kernel.row(classes, 20, beta);
+  LaneVector beta(10 * 8);
+  kernel.row(particles, 20, 5, 10, beta.data());
 
-  for (std::size_t q = 0; q < classes.size(); ++q) {
-    const double expected = 3.0 * 0.25 * dem(classes.diameter[20], classes.diameter[q]) / 1e-3;
-    EXPECT_NEAR(beta[q], expected, 1e-12 * expected);
-  }
+  for (std::size_t q = 0; q < 10; ++q)
+    for (std::size_t l = 0; l < 8; ++l) {
+      const double d_p = particles.diameter[20 * 8 + l], d_q = particles.diameter[(5 + q) * 8 + l];
+      const double expected = 3.0 * static_cast<double>(1 + l) * table(d_p, d_q) / 1e-3;
+      EXPECT_NEAR(beta[q * 8 + l], expected, 1e-12 * expected);
+    }
 }
 
 TEST(Consolidation, BringsThePorosityToItsLeastExponentially) {

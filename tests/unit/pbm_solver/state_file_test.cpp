@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "pbm_solver/model/compartment.hpp"
+#include "pbm_solver/model/model_tables.hpp"
 #include "tests/support/pbm_cases.hpp"
 
 namespace granary::pbm {

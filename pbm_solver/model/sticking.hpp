@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "pbm_solver/case/pbm_case.hpp"
+
 namespace granary::pbm {
 
 /// Two wet particles stick below the speed [m/s]
@@ -23,6 +25,10 @@ struct StokesCriterion {
   double ln_sigma = 1.0;      ///< s_U
 };
 
+/// The criterion of these settings.
+StokesCriterion stokes_criterion(const Efficiency& efficiency, const Materials& materials,
+                                 const SpeedDistribution& speeds);
+
 /// Particles as arrays: 1/d [1/m], 1/m [1/kg], film h [m].
 struct WetParticles {
   const double* inverse_diameter;
@@ -30,8 +36,9 @@ struct WetParticles {
   const double* film;
 };
 
-/// beta[q] *= psi(p, q) for q = 0 .. n-1. All inputs must be finite.
-void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p, std::size_t n,
-                                double* beta);
+/// beta[q] *= psi(p, q) for q = first .. first + n - 1, of `lanes` compartments side by side: all arrays
+/// [class][lanes], beta from class `first` on. All inputs must be finite.
+void multiply_by_sticking_share(const StokesCriterion& criterion, WetParticles particles, std::size_t p,
+                                std::size_t first, std::size_t n, std::size_t lanes, double* beta);
 
 }  // namespace granary::pbm

@@ -1,0 +1,134 @@
+#include "pbm_solver/model/particles.hpp"
+
+#include <math.h>  // not <cmath>: the vector forms belong to the global names
+
+#include <algorithm>
+
+#include "common/units.hpp"
+#include "pbm_solver/model/every_width.hpp"
+
+namespace granary::pbm {
+namespace {
+
+constexpr double kHolds = 1e-8;  // of a compartment's solids: what a class must hold for its changes to count
+
+struct Columns {
+  const double *solid, *solid_mass, *liquid, *gas;
+  double *diameter, *inverse_diameter, *inverse_mass, *film, *liquid_fraction, *porosity, *volume;
+};
+
+GRANARY_EVERY_WIDTH
+void fill(const Columns& c, std::size_t n, double saturation_factor, double liquid_density, double film_factor) {
+  const double per_volume = 6.0 / kPi;
+#pragma omp simd
+  for (std::size_t k = 0; k < n; ++k) {
+    const double l = c.liquid[k], g = c.gas[k], v = c.solid[k] + l + g;
+    const double inside = saturation_factor * g < l ? saturation_factor * g : l;
+    const double outside = l - inside;
+    const double root = cbrt(v), core = cbrt(v - outside);
+    const double d = cbrt(per_volume) * root;
+    c.volume[k] = v;
+    c.diameter[k] = d;
+    c.inverse_diameter[k] = 1.0 / d;
+    c.inverse_mass[k] = 1.0 / (c.solid_mass[k] + liquid_density * l);
+    c.film[k] = outside > 0.0 ? film_factor * (root - core) : 0.0;
+    c.liquid_fraction[k] = outside / v;
+    c.porosity[k] = (l + g) / v;
+  }
+}
+
+}  // namespace
+
+ClassPosition position_of(std::span<const double> ln_centre, double x) {
+  const int n = static_cast<int>(ln_centre.size());
+  if (n == 1 || !(x > ln_centre.front())) return {0, 0.0};
+  if (x >= ln_centre.back()) return {n - 2, 1.0};
+  const int upper = static_cast<int>(std::upper_bound(ln_centre.begin(), ln_centre.end(), x) - ln_centre.begin());
+  const double low = ln_centre[upper - 1], high = ln_centre[upper];
+  return {upper - 1, (x - low) / (high - low)};
+}
+
+double external_liquid(double liquid, double gas, double saturation_factor) {
+  return std::max(0.0, liquid - std::min(saturation_factor * gas, liquid));
+}
+
+double film_thickness(double volume, double external_liquid) {
+  static const double per_root = 0.5 * std::cbrt(6.0 / kPi);
+  return per_root * (std::cbrt(volume) - std::cbrt(std::max(0.0, volume - external_liquid)));
+}
+
+SolidLanes::SolidLanes(const ClassGrid& grid, const Materials& materials, int lanes) {
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const double s = grid.solid()[k], d = std::cbrt(6.0 / kPi * s);
+    const auto times = static_cast<std::size_t>(lanes);
+    solid.insert(solid.end(), times, s);
+    mass.insert(mass.end(), times,
+                materials.solid_density[0] * grid.solid_1()[k] + materials.solid_density[1] * grid.solid_2()[k]);
+    dry_area.insert(dry_area.end(), times, kPi * d * d);
+  }
+}
+
+ParticleTable::ParticleTable(const SolidLanes& solids, const Materials& materials)
+    : solids_(&solids), saturation_factor_(materials.saturation_factor), liquid_density_(materials.liquid_density) {
+  for (auto* list : {&diameter, &inverse_diameter, &inverse_mass, &film, &liquid_fraction, &porosity, &volume, &number_,
+                     &liquid_, &gas_, &known_liquid_, &known_gas_})
+    list->resize(solids.solid.size());
+}
+
+void ParticleTable::look_at(const double* number, const double* liquid, const double* gas) {
+  for (std::size_t k = 0; k < number_.size(); ++k) {
+    const bool there = number[k] > 0.0;
+    const double per_number = there ? 1.0 / number[k] : 0.0;
+    number_[k] = number[k];
+    liquid_[k] = std::max(0.0, liquid[k] * per_number);
+    gas_[k] = std::max(0.0, gas[k] * per_number);
+  }
+}
+
+bool ParticleTable::moved(double tolerance, double asperity, int lanes) const {
+  if (!known_ || tolerance <= 0.0) return true;
+  const auto width = static_cast<std::size_t>(lanes);
+  for (std::size_t lane = 0; lane < width; ++lane) {
+    double held = 0.0;
+    for (std::size_t k = lane; k < number_.size(); k += width) held += solids_->solid[k] * number_[k];
+    for (std::size_t k = lane; k < number_.size(); k += width) {
+      if (!(solids_->solid[k] * number_[k] > kHolds * held)) continue;
+      const double l = known_liquid_[k], g = known_gas_[k];
+      if (std::abs(liquid_[k] + gas_[k] - l - g) > tolerance * (solids_->solid[k] + l + g)) return true;
+      const double outside = external_liquid(l, g, saturation_factor_);
+      const double change = external_liquid(liquid_[k], gas_[k], saturation_factor_) - outside;
+      if (std::abs(change) > tolerance * (outside + asperity * solids_->dry_area[k])) return true;
+    }
+  }
+  return false;
+}
+
+ParticleTable ParticleTable::lane(std::size_t lane, std::size_t lanes) const {
+  ParticleTable one = *this;
+  for (auto* list : {&one.diameter, &one.inverse_diameter, &one.inverse_mass, &one.film, &one.liquid_fraction,
+                     &one.porosity, &one.volume}) {
+    for (std::size_t k = 0; k * lanes < list->size(); ++k) (*list)[k] = (*list)[k * lanes + lane];
+    list->resize(list->size() / lanes);
+  }
+  return one;
+}
+
+LaneVector ParticleTable::wet(double least) const {
+  LaneVector flags(liquid_.size());
+  for (std::size_t k = 0; k < flags.size(); ++k) {
+    const double all = solids_->solid[k] + liquid_[k] + gas_[k];
+    flags[k] = external_liquid(liquid_[k], gas_[k], saturation_factor_) >= least * all ? 1.0 : 0.0;
+  }
+  return flags;
+}
+
+void ParticleTable::remember() {
+  known_liquid_ = liquid_, known_gas_ = gas_;
+  known_ = true;
+  fill({solids_->solid.data(), solids_->mass.data(), liquid_.data(), gas_.data(), diameter.data(),
+        inverse_diameter.data(), inverse_mass.data(), film.data(), liquid_fraction.data(), porosity.data(),
+        volume.data()},
+       diameter.size(), saturation_factor_, liquid_density_, 0.5 * std::cbrt(6.0 / kPi));
+}
+
+}  // namespace granary::pbm

@@ -1,0 +1,2 @@
+#define GRANARY_SIMD_SET avx512
+#include "pbm_solver/model/simd/operations.inc"

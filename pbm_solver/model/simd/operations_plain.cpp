@@ -1,0 +1,2 @@
+#define GRANARY_SIMD_SET plain
+#include "pbm_solver/model/simd/operations.inc"
