@@ -16,6 +16,8 @@ using json::Value;
 
 constexpr const char* kFormat = "granary-pbm-case-1";
 constexpr int kMostBins = 256;
+constexpr double kLeastVolume = 1e-100;   // [m^3]: products and quotients of volumes stay normal numbers
+constexpr double kLeastRatio = 1.000001;  // neighbouring pivots differ by far more than round-off
 constexpr int kMostCompartments = 1024;
 
 const std::vector<std::string> kEfficiencies{"constant", "wet", "stokes"};
@@ -58,6 +60,10 @@ Grid read_grid(Reader reader) {
     if (grid.bins[k] != counts[k]) reader.problem("bins", "it must be two whole numbers.");
     if (grid.smallest[k] == 0.0 && grid.bins[k] != 1)
       reader.problem("smallest", "it must be > 0, or 0 for a solid that is absent.", "An absent solid has 1 bin.");
+    if (grid.smallest[k] > 0.0 && grid.smallest[k] < kLeastVolume)
+      reader.problem("smallest", fmt::format("it must be at least {:g} m^3.", kLeastVolume));
+    if (grid.ratio[k] < kLeastRatio)
+      reader.problem("ratio", fmt::format("its classes cannot be told apart; it must be at least {}.", kLeastRatio));
     if (!std::isfinite(grid.smallest[k] * std::pow(grid.ratio[k], grid.bins[k] - 1)))
       reader.problem("ratio", "the largest class is beyond all numbers; take fewer bins or a smaller ratio.");
   }

@@ -99,6 +99,14 @@ TEST(PbmCase, ReportsEveryProblemAtOnceWithItsPlace) {
     EXPECT_THAT(message, HasSubstr(std::string("case.json: ") + place + " ")) << message;
 }
 
+TEST(PbmCase, RefusesClassesThatCannotBeToldApart) {
+  const std::string message = message_of(R"({"format": "granary-pbm-case-1", "end_time": 1,
+    "grid": {"bins": [2, 2], "smallest": [5e-324, 1], "ratio": [2, 1.0000001]}})");
+
+  EXPECT_THAT(message, HasSubstr("case.json: /grid/smallest is [5e-324,1"));
+  EXPECT_THAT(message, HasSubstr("case.json: /grid/ratio is [2,1.0000001]"));
+}
+
 TEST(PbmCase, SuggestsTheKeyThatWasMeant) {
   const std::string message = message_of(R"({"format": "granary-pbm-case-1", "grid": {"bin": [8, 8]}, "end_time": 1})");
 
