@@ -14,7 +14,7 @@ namespace granary::pbm {
 namespace {
 
 constexpr double kTimeout = 60.0;  // it takes a fraction of a second
-constexpr int kWidth = 1120, kPanelHeight = 400;
+constexpr int kWidth = 1180, kPanelHeight = 400;
 
 constexpr std::string_view kColours[] = {"#2563eb", "#dc2626", "#059669", "#d97706", "#7c3aed",
                                          "#0891b2", "#be185d", "#4d7c0f", "#475569"};
@@ -91,7 +91,7 @@ std::string convergence_script(std::span<const Verification> results) {
   std::string script = fmt::format(
       "set encoding utf8\n"
       "set terminal svg noenhanced size {},{} dynamic background rgb 'white' font 'system-ui,sans-serif,13'\n"
-      "set multiplot layout {},{} margins 0.06,0.83,0.08,0.93 spacing 0.24,0.17\n",
+      "set multiplot layout {},{} margins 0.06,0.81,0.08,0.93 spacing 0.25,0.17\n",
       kWidth * columns / 2, kPanelHeight * rows, rows, columns);
   script +=
       "set logscale xy\n"

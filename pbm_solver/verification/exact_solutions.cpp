@@ -25,9 +25,9 @@ double scaled_bessel_difference(double x) {
 }
 
 // The series below grow as exp(growth) while the factor before them shrinks. A long double holds both up to here;
-// beyond it, and where the product is below all doubles, the density is 0.
+// beyond it, and where the product is below 1e-43, the density is 0.
 constexpr double kLargestGrowth = 11000.0;
-constexpr double kSmallest = -700.0;
+constexpr double kSmallest = -100.0;
 constexpr long double kEnough = 1e-20L;
 
 /// exp(-decay) sum_k term_k from the ratio of neighbouring terms, term_0 = 1.
