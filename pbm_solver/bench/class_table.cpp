@@ -11,8 +11,9 @@ namespace granary::pbm::bench {
 
 void set_class_table(PbmCase& c, int n_classes, double rate) {
   const ClassGrid grid(c.grid);
-  const double least = std::log(*std::min_element(grid.solid().begin(), grid.solid().end()));
-  const double most = std::log(*std::max_element(grid.solid().begin(), grid.solid().end()));
+  // A little beyond both ends, so that no class lies on a border, where round-off would choose its side.
+  const double least = std::log(*std::min_element(grid.solid().begin(), grid.solid().end())) - 0.11;
+  const double most = std::log(*std::max_element(grid.solid().begin(), grid.solid().end())) + 0.23;
   DemRates dem;
   for (int a = 0; a < n_classes; ++a)
     dem.diameter.push_back(sphere_diameter(std::exp(least + (most - least) * (a + 0.5) / n_classes)));
@@ -28,6 +29,7 @@ void set_class_table(PbmCase& c, int n_classes, double rate) {
   c.dem = dem;
   c.aggregation = Aggregation{};
   c.aggregation->kernel = Aggregation::Kernel::dem;
+  c.aggregation->lookup = Aggregation::Lookup::group;
 }
 
 ClassTable class_table_of(const PbmCase& c, const ClassGrid& grid) {
