@@ -1,10 +1,13 @@
 // granary-pbm: one population balance, case in, HDF5 out.
+#include <omp.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "common/json/io.hpp"
 #include "common/log.hpp"
@@ -36,12 +39,26 @@ int default_threads() {
   return threads > 0 ? threads : 1;
 }
 
+/// With OMP_PROC_BIND, OpenMP has pinned this thread to its first place before main() begins; a program started from
+/// here would see that one core only, and put all its threads on it.
+void give_back_all_cores() {
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int place = 0; place < omp_get_num_places(); ++place) {
+    std::vector<int> cores(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, cores.data());
+    for (const int core : cores) CPU_SET(core, &all);
+  }
+  if (CPU_COUNT(&all) > 0) sched_setaffinity(0, sizeof all, &all);
+}
+
 /// OpenMP's threads wait by spinning, and read how long before main() begins. On a busy machine they then burn the time
 /// that the others need: ten times slower was measured. So start over with a short spin, unless the user has said
 /// something.
 void start_over_with_polite_threads(int threads, char** argv) {
   if (threads < 2 || std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "2000", 1);
+  give_back_all_cores();
   execv("/proc/self/exe", argv);  // comes back only if it could not: then go on as we are
 }
 
