@@ -68,9 +68,9 @@ BirthGrid constant_breakage_2d(const ClassGrid& grid, double t);
 // Aggregation with breakage, and with flow, one solid.
 
 /// Constant kernel 1 and rate s v, b = 2/u, start exp(-v):  P^2 exp(-P v), P = Q (1 + Q tanh(Q t/2)) / (Q + tanh(Q
-/// t/2)), Q = sqrt(2 s), to the steady state Q^2 exp(-Q v).   Source: [blatz1945], [mccoy1994]
+/// t/2)), Q = sqrt(2 s), to the steady state Q^2 exp(-Q v).   Source: [blatz1945], [mccoy1998]
 double balanced(double v, double s, double t);
-/// Constant kernel 1 and rate v/2, b = 2/u, start 4 v exp(-2 v): two exponentials.   Source: [mccoy1994]
+/// Constant kernel 1 and rate v/2, b = 2/u, start 4 v exp(-2 v): two exponentials.   Source: [lage2002]
 double balanced_gamma(double v, double t);
 /// Steady state of a stirred tank with turnover r, one particle of exp(-v) fed per 1/r, constant kernel 1; c^2 = r^2 +
 /// 2 r, b = r / c^2:   c b exp(-(1 - b) v) (I_0(b v) - I_1(b v)).   Derived from the Laplace transform
