@@ -75,7 +75,8 @@ BenchCase row_case() {
   c.feed = Feed{};
   for (int k = 0; k < 9; ++k) c.feed->classes.push_back({k, k, 1e6 * std::pow(3.0, -k)});
   c.feed->porosity = 1.0 / 3.0;
-  c.end_time = c.output_every = 1e5;
+  c.end_time = 100.0;
+  c.output_every = 1.0;
   return b;
 }
 

@@ -43,6 +43,30 @@ std::vector<double> time_rates(const BenchCase& b, RankExchange& exchange, const
   return samples;
 }
 
+/// Runs of the case, again and again until the time is over; a sample a step.
+Result<std::vector<double>> time_runs(const BenchCase& b, RankExchange& exchange, const Communicator& ranks,
+                                      int threads, double seconds) {
+  std::vector<double> samples;
+  const double deadline = wall_clock() + seconds;
+  for (bool going = true; going;) {
+    Simulation simulation(b.pbm_case, b.start, exchange, threads);
+    std::int64_t rhs = 0;
+    double began = wall_clock();
+    const auto after_step = [&] {
+      const double now = wall_clock();
+      const std::int64_t more = simulation.work().rhs_evaluations - rhs;
+      samples.push_back((now - began) / static_cast<double>(more));
+      rhs += more;
+      going = time_is_left(ranks, deadline);
+      began = wall_clock();
+      return going;
+    };
+    GRANARY_TRY(const bool reached, simulation.advance(b.pbm_case.end_time, after_step));
+    static_cast<void>(reached);
+  }
+  return samples;
+}
+
 }  // namespace
 
 Result<Value> row_timings(const Communicator& ranks, int threads, double seconds) {
@@ -50,26 +74,11 @@ Result<Value> row_timings(const Communicator& ranks, int threads, double seconds
   RankExchange exchange(ranks, b.pbm_case.compartments.count);
   const std::vector<double> alone = time_rates(b, exchange, ranks, threads, seconds);
 
-  Simulation simulation(b.pbm_case, b.start, exchange, threads);
-  std::vector<double> in_run;
-  const double deadline = wall_clock() + seconds;
-  double began = wall_clock();
-  std::int64_t rhs = 0;
-  GRANARY_TRY(const bool reached, simulation.advance(b.pbm_case.end_time, [&] {
-    const double now = wall_clock();
-    const std::int64_t more = simulation.work().rhs_evaluations - rhs;
-    in_run.push_back((now - began) / static_cast<double>(more));
-    rhs += more;
-    began = now;
-    return time_is_left(ranks, deadline);
-  }));
-  static_cast<void>(reached);
+  GRANARY_TRY(const std::vector<double> in_run, time_runs(b, exchange, ranks, threads, seconds));
   return Value::object({{"ranks", ranks.size()},
                         {"threads", threads},
                         {"rhs_alone", statistics(alone)},
-                        {"in_run", statistics(in_run)},
-                        {"steps", simulation.work().steps},
-                        {"reached_s", simulation.time()}});
+                        {"in_run", statistics(in_run)}});
 }
 
 }  // namespace granary::pbm::bench
