@@ -30,7 +30,7 @@ class BirthCompiler {
       code_.clear();
       products_ = 0;
       code_.insert(code_.end(), {n1_, far_, n_groups_ * n2_});
-      list_run_prefixes();
+      list_column_prefixes();
       far_top_ = kNone;
       for (int i = 0; i < n1_; ++i) compile_row(i, emit);
     }
@@ -52,35 +52,57 @@ class BirthCompiler {
 
   void place_slots() {
     const int n = n1_ * n2_;
-    row_prefix_ = n;
-    column_prefix_ = 2 * n;
-    far_ = 3 * n;
-    column_ = far_ + n_groups_ * n2_;
-    row_ = column_ + n_groups_ * rows_->offsets() * n2_;
-    row_far_ = row_ + n_groups_ * columns_->offsets() * n2_;
-    block_ = row_far_ + n_groups_ * n2_;
-    n_slots_ = block_ + n_groups_ * rows_->offsets() * n2_;
+    column_prefix_ = n;
+    far_ = 2 * n;
+    first_temporary_ = far_ + n_groups_ * n2_;
+    n_slots_ = first_temporary_;
   }
 
-  /// Running sums within one group along each row and each column: code of the form (count, d, a, b ...).
-  void list_run_prefixes() {
-    along_row_.assign(static_cast<std::size_t>(n1_ * n2_), 0);
-    along_column_ = along_row_;
-    Terms adds;
-    for (int i = 0; i < n1_; ++i)
-      for (int j = 0; j < n2_; ++j) {
-        const auto k = static_cast<std::size_t>(slot(i, j));
-        along_row_[k] = along_column_[k] = slot(i, j);
-        if (j > 0 && group(i, j) == group(i, j - 1)) {
-          along_row_[k] = row_prefix_ + slot(i, j);
-          adds.insert(adds.end(), {along_row_[k], along_row_[k - 1], slot(i, j)});
-        }
-        if (i > 0 && group(i, j) == group(i - 1, j)) {
-          along_column_[k] = column_prefix_ + slot(i, j);
-          adds.insert(adds.end(), {along_column_[k], along_column_[k - static_cast<std::size_t>(n2_)], slot(i, j)});
+  /// A slot for the rest of this row: rows use the same ones again, which keeps them in the nearest cache.
+  int temporary() {
+    n_slots_ = std::max(n_slots_, next_temporary_ + 1);
+    return next_temporary_++;
+  }
+
+  /// Running sums within one group along each column.
+  void list_column_prefixes() {
+    along_column_.assign(static_cast<std::size_t>(n1_ * n2_), 0);
+    std::vector<Terms> chains;
+    for (int j = 0; j < n2_; ++j)
+      for (int i = 0; i < n1_; ++i) {
+        int& here = along_column_[static_cast<std::size_t>(slot(i, j))];
+        if (i == 0 || group(i, j) != group(i - 1, j)) {
+          here = slot(i, j);
+          chains.push_back({here});
+        } else {
+          here = column_prefix_ + slot(i, j);
+          chains.back().insert(chains.back().end(), {slot(i, j), here});
         }
       }
-    emit_list(3, adds);
+    emit_sums(chains);
+  }
+
+  /// Chains of the form (start, (s, d) ...); those of one term need nothing.
+  void emit_sums(const std::vector<Terms>& chains) {
+    const auto count = code_.size();
+    code_.push_back(0);
+    for (const Terms& chain : chains) {
+      if (chain.size() < 2) continue;
+      ++code_[count];
+      code_.push_back(chain[0]);
+      code_.push_back(static_cast<int>(chain.size() - 1) / 2);
+      code_.insert(code_.end(), chain.begin() + 1, chain.end());
+    }
+  }
+
+  /// By source slot: (d, c) ...
+  void emit_by_source(const std::map<int, Terms>& list) {
+    code_.push_back(static_cast<int>(list.size()));
+    for (const auto& [source, into] : list) {
+      code_.push_back(source);
+      code_.push_back(static_cast<int>(into.size()) / 2);
+      code_.insert(code_.end(), into.begin(), into.end());
+    }
   }
 
   void emit_list(int width, const Terms& list) {
@@ -90,7 +112,13 @@ class BirthCompiler {
 
   void compile_row(int i, bool emit) {
     i_ = i;
-    accumulate_.clear(), combine_.clear(), run_on_.clear(), add_.clear(), self_.clear(), multiply_.clear();
+    accumulate_.clear(), scale_.clear(), combine_.clear(), self_.clear(), multiply_.clear();
+    next_temporary_ = first_temporary_;
+    row_run_top_ = kNone;
+    along_row_.assign(static_cast<std::size_t>(n2_), kNone);
+    row_far_slot_.assign(static_cast<std::size_t>(n_groups_ * n2_), kNone);
+    run_on_.assign(static_cast<std::size_t>(n_groups_), {});
+    add_up_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets()), {});
     n_combine_ = 0;
     column_slot_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets() * n2_), kUnset);
     row_slot_.assign(static_cast<std::size_t>(n_groups_ * columns_->offsets() * n2_), kUnset);
@@ -105,11 +133,12 @@ class BirthCompiler {
         for (int t2 = 0; t2 < columns_->offsets(); ++t2)
           if (!columns_->partners(j, t2).empty()) compile_cell(t1, partners, j, t2);
     }
-    emit_list(3, accumulate_);
+    emit_by_source(accumulate_);
+    emit_by_source(scale_);
     code_.push_back(n_combine_);
     code_.insert(code_.end(), combine_.begin(), combine_.end());
-    emit_list(4, run_on_);
-    emit_list(3, add_);
+    emit_run_on();
+    emit_sums(add_up_);
     emit_products();
     emit_list(3, self_);
   }
@@ -125,12 +154,29 @@ class BirthCompiler {
         for (int c = 0; c < n_groups_; ++c) {
           const auto at = static_cast<std::size_t>(c * n2_ + j);
           if (emit && wanted_until_[at] < i_) continue;
-          accumulate_.insert(accumulate_.end(), {far_ + c * n2_ + j, pair(c, group(far_top_, j)), slot(far_top_, j)});
+          Terms& into = accumulate_[slot(far_top_, j)];
+          into.insert(into.end(), {far_ + c * n2_ + j, pair(c, group(far_top_, j))});
         }
     }
   }
 
+  void emit_run_on() {
+    const auto count = code_.size();
+    code_.push_back(0);
+    for (const Terms& chain : run_on_) {
+      if (chain.empty()) continue;
+      ++code_[count];
+      code_.push_back(static_cast<int>(chain.size()) / 3);
+      code_.insert(code_.end(), chain.begin(), chain.end());
+    }
+  }
+
   int combined(int into, const Terms& weights_and_slots) {
+    if (weights_and_slots.size() == 2) {
+      Terms& from = scale_[weights_and_slots[1]];
+      from.insert(from.end(), {into, weights_and_slots[0]});
+      return into;
+    }
     combine_.push_back(into);
     combine_.push_back(static_cast<int>(weights_and_slots.size()) / 2);
     combine_.insert(combine_.end(), weights_and_slots.begin(), weights_and_slots.end());
@@ -152,7 +198,7 @@ class BirthCompiler {
     }
     Terms terms;
     for (int a = range.first; a <= last; ++a) terms.insert(terms.end(), {pair(c, group(a, j)), slot(a, j)});
-    return known = combined(column_ + (c * rows_->offsets() + t1) * n2_ + j, terms);
+    return known = combined(temporary(), terms);
   }
 
   /// sum over j' < j in R2(j, t2) of C[c][g(i,j')] Q(i,j') along this row.
@@ -164,19 +210,18 @@ class BirthCompiler {
     if (t2 == 0 && range.first == 0 && last >= 0) {
       while (top < last) {
         ++top;
-        const int into = row_far_ + c * n2_ + top;
-        if (top == 0)
-          combined(into, {pair(c, group(i_, 0)), slot(i_, 0)});
-        else
-          run_on_.insert(run_on_.end(), {into, into - 1, pair(c, group(i_, top)), slot(i_, top)});
+        int& here = row_far_slot_[static_cast<std::size_t>(c * n2_ + top)];
+        here = temporary();
+        Terms& chain = run_on_[static_cast<std::size_t>(c)];
+        chain.insert(chain.end(), {pair(c, group(i_, top)), slot(i_, top), here});
       }
-      return row_far_ + c * n2_ + last;
+      return row_far_slot_[static_cast<std::size_t>(c * n2_ + last)];
     }
     int& known = row_slot_[static_cast<std::size_t>((c * columns_->offsets() + t2) * n2_ + j)];
     if (known != kUnset) return known;
     Terms terms;
     for (int b = range.first; b <= last; ++b) terms.insert(terms.end(), {pair(c, group(i_, b)), slot(i_, b)});
-    return known = combined(row_ + (c * columns_->offsets() + t2) * n2_ + j, terms);
+    return known = combined(temporary(), terms);
   }
 
   /// sum over j' <= last of column_sum(c, t1, j').
@@ -188,14 +233,34 @@ class BirthCompiler {
       const int more = column_sum(c, t1, top);
       const int before = top > 0 ? block_slot_[static_cast<std::size_t>(first + top - 1)] : kNone;
       int& here = block_slot_[static_cast<std::size_t>(first + top)];
-      if (more == kNone || before == kNone) {
-        here = more == kNone ? before : more;
+      Terms& chain = add_up_[static_cast<std::size_t>(c * rows_->offsets() + t1)];
+      if (more == kNone) {
+        here = before;
+      } else if (before == kNone) {
+        here = more;
+        chain.push_back(more);
       } else {
-        here = block_ + first + top;
-        add_.insert(add_.end(), {here, before, more});
+        here = temporary();
+        chain.insert(chain.end(), {more, here});
       }
     }
     return block_slot_[static_cast<std::size_t>(first + last)];
+  }
+
+  /// sum of Q(i, j') over the j' <= j side by side that are of its group.
+  int row_run(int j) {
+    while (row_run_top_ < j) {
+      const int at = ++row_run_top_;
+      int& here = along_row_[static_cast<std::size_t>(at)];
+      if (at == 0 || group(i_, at) != group(i_, at - 1)) {
+        here = slot(i_, at);
+        add_up_.push_back({here});
+      } else {
+        here = temporary();
+        add_up_.back().insert(add_up_.back().end(), {slot(i_, at), here});
+      }
+    }
+    return along_row_[static_cast<std::size_t>(j)];
   }
 
   void multiply(int cell, int unit, Terms sum) {
@@ -230,8 +295,9 @@ class BirthCompiler {
         int end = b;
         while (end < last_column && group(i_, end + 1) == group(i_, b)) ++end;
         multiply(cell, column_sum(group(i_, b), t1, j),
-                 run_of(b, end, b == 0 || group(i_, b - 1) != group(i_, b), along_row_,
-                        [&](int at) { return slot(i_, at); }));
+                 run_of(
+                     b, end, b == 0 || group(i_, b - 1) != group(i_, b), [&](int at) { return row_run(at); },
+                     [&](int at) { return slot(i_, at); }));
         b = end + 1;
       }
     } else {
@@ -239,17 +305,19 @@ class BirthCompiler {
         int end = a;
         while (end < last_row && group(end + 1, j) == group(a, j)) ++end;
         multiply(cell, row_sum(group(a, j), t2, j),
-                 run_of(a, end, a == 0 || group(a - 1, j) != group(a, j), along_column_,
-                        [&](int at) { return slot(at, j); }));
+                 run_of(
+                     a, end, a == 0 || group(a - 1, j) != group(a, j),
+                     [&](int at) { return along_column_[static_cast<std::size_t>(slot(at, j))]; },
+                     [&](int at) { return slot(at, j); }));
         a = end + 1;
       }
     }
   }
 
   /// Slots whose sum is that of first .. last of one group: one running sum if the group begins there.
-  template <class Slot>
-  Terms run_of(int first, int last, bool from_its_start, const Terms& running, Slot slot_at) const {
-    if (from_its_start) return {running[static_cast<std::size_t>(slot_at(last))]};
+  template <class Run, class Slot>
+  static Terms run_of(int first, int last, bool from_its_start, Run run_to, Slot slot_at) {
+    if (from_its_start) return {run_to(last)};
     Terms all;
     for (int at = first; at <= last; ++at) all.push_back(slot_at(at));
     return all;
@@ -271,13 +339,17 @@ class BirthCompiler {
   const SolidAxis *rows_, *columns_;
   const std::vector<int>* group_;
   int n_groups_, n1_, n2_;
-  int row_prefix_ = 0, column_prefix_ = 0, far_ = 0, column_ = 0, row_ = 0, row_far_ = 0, block_ = 0, n_slots_ = 0;
-  Terms along_row_, along_column_;  ///< slot of the running sum within a group, by class
-  Terms wanted_until_;              ///< last row that asks for a far column sum, shape (groups, columns)
-  int far_top_ = kNone;             ///< last row in the far column sums
+  int column_prefix_ = 0, far_ = 0, first_temporary_ = 0, next_temporary_ = 0, n_slots_ = 0;
+  Terms along_column_;              ///< slot of the running sum within a group, by class
+  Terms along_row_, row_far_slot_;  ///< of this row: the same; and the running sums for each group
+  int row_run_top_ = kNone;
+  Terms wanted_until_;   ///< last row that asks for a far column sum, shape (groups, columns)
+  int far_top_ = kNone;  ///< last row in the far column sums
   bool far_here_ = false;
   int i_ = 0;
-  Terms accumulate_, combine_, run_on_, add_, self_;
+  std::map<int, Terms> accumulate_, scale_;  ///< by source
+  Terms combine_, self_;
+  std::vector<Terms> run_on_, add_up_;  ///< chains
   int n_combine_ = 0;
   std::map<int, std::vector<Product>> multiply_;  ///< by destination
   Terms column_slot_, row_slot_, row_far_top_, block_top_, block_slot_;

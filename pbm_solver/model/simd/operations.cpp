@@ -70,7 +70,7 @@ const char* instruction_set() {
 }
 
 long group_scratch(const GroupView& groups, int lanes) {
-  return static_cast<long>(groups.n_groups) * (3 + groups.n_tops_2 + groups.n_tops_1 * groups.n_tops_2) * lanes;
+  return static_cast<long>(groups.n_groups) * (3 + groups.n_tops_2 + 2 * groups.n_tops_1 * groups.n_tops_2) * lanes;
 }
 
 #if defined(__x86_64__)
