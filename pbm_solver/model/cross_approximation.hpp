@@ -11,10 +11,11 @@ namespace granary::pbm {
 ///
 ///   |beta - approximation| <= tolerance C_km,      C: the collision rate without the efficiency
 ///
-/// at every pair that was looked at: the diagonal and a regular sample of others. Pivots are the largest errors, one
-/// class at a time or a pair of them where the error lies off the diagonal. A last term lifts the approximation by the
-/// largest error left, times sqrt(C_kk C_mm), so that like particles have no negative rate. Cost: one row of the kernel
-/// and O(rank n) for each pivot, instead of n^2 / 2 pairs. Source: [bebendorf2000].
+/// at every pair that was looked at: the diagonal, the smallest and the largest class's rows, and a regular sample of
+/// others. Pivots are the largest errors, one class at a time or a pair of them where the error lies off the diagonal.
+/// A last term lifts the approximation by the largest error left, times sqrt(C_kk C_mm), so that like particles have no
+/// negative rate. Cost: one row of the kernel and O(rank n) for each pivot, instead of n^2 / 2 pairs. Source:
+/// [bebendorf2000].
 struct CrossApproximation {
   std::vector<std::vector<double>> plus, minus;  ///< u_r, v_r, shape (n_classes) each
   double error = 0.0;                            ///< the largest left, over C_km
