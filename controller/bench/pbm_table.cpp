@@ -19,7 +19,9 @@ std::string rhs_table(const Value& document) {
     text += fmt::format("{:<10} {:>7}  {:<22} {:>10} {:>10} {:>8}   {}\n", row.text_or("grid", ""),
                         row.integer_or("classes", 0), row.text_or("kernel", ""), duration_text(row["solver_s"]),
                         duration_text(row["reference_s"]), number_text(row["ratio"], "{:.1f}x"),
-                        row.text_or("reference_how", ""));
+                        row.find("kernel_refresh_s") == nullptr
+                            ? row.text_or("reference_how", "")
+                            : fmt::format("none; the kernel anew: {}", duration_text(row["kernel_refresh_s"])));
   return text;
 }
 

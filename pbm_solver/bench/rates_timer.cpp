@@ -18,8 +18,10 @@ SolverRates::SolverRates(const PbmCase& c, const Snapshot& at, Exchange& exchang
     for (const auto* field : {&at.number, &at.liquid, &at.gas}) to = std::copy_n(field->begin() + from, n, to);
     row_.pack(one, x, state_);
   }
-  row_.begin_step(state_, true);
+  refresh();
 }
+
+void SolverRates::refresh() { row_.begin_step(state_, true); }
 
 void SolverRates::evaluate() { row_.rates(state_, {}, inputs_, rates_); }
 

@@ -18,6 +18,8 @@ class SolverRates {
 
   /// All mechanisms of all compartments of this rank, as a step of a run does it. Collective.
   void evaluate();
+  /// What a run does now and then, when liquid or sizes have moved: works out again what the kernel takes from them.
+  void refresh();
   /// What the last evaluate() gave; of this rank's compartments, shape (X of this rank, n_classes) each.
   ReferenceState rates() const;
 
