@@ -98,6 +98,7 @@ std::string convergence_script(std::span<const Verification> results) {
       "set border 3 lc rgb '#94a3b8' lw 1\n"
       "set tics out nomirror scale 0.5 textcolor rgb '#334155'\n"
       "set xtics (10, 16, 24, 32, 48, 64, 96, 128, 192)\n"
+      "set ytics (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)\n"
       "set xlabel textcolor rgb '#334155'\n"
       "set ylabel 'L1 error of the number [%]' textcolor rgb '#334155'\n"
       "set grid ytics lt 1 lw 0.6 lc rgb '#e2e8f0'\n"

@@ -33,6 +33,7 @@ std::string or_dash(const char* format, double value) {
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
 }
 
+constexpr double kNoDrift = 1e-30;  // two digits of exponent are enough
 constexpr const char* kRow = "{:<18}{:>5}{:>9}{:>8}{:>7}{:>9}{:>8}{:>8}{:>8}{:>7}{:>8}  {}\n";
 
 void print_heading() {
@@ -46,8 +47,8 @@ void print_row(const Verification& v) {
   fmt::print(kRow, v.name, v.bins, or_dash("{:.3f}", 100.0 * v.errors.l1_number), or_dash("{:.4g}", 100.0 * v.l1_bound),
              or_dash("{:.2f}", v.order), or_dash("{:+.2f}", 100.0 * v.moment("M20")),
              or_dash("{:.4g}", 100.0 * v.moment_bound("M20")), or_dash("{:+.0e}", v.moment("M00")),
-             fmt::format("{:.0e}", v.largest_drift()), v.rhs_evaluations, fmt::format("{:.3f}", v.cpu),
-             v.passed ? "yes" : "NO");
+             fmt::format("{:.0e}", v.largest_drift() < kNoDrift ? 0.0 : v.largest_drift()), v.rhs_evaluations,
+             fmt::format("{:.3f}", v.cpu), v.passed ? "yes" : "NO");
   for (const std::string& fault : v.faults()) fmt::print("{:>23}  {}\n", "", fault);
 }
 

@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "common/json/io.hpp"
 #include "pbm_solver/verification/exact_solutions.hpp"
@@ -29,6 +33,40 @@ std::vector<OnGrid> small_grids() {
   return list;
 }
 
+/// A row of the table in docs/verification.md, as words: case bins L1 bound order M20 bound M00 drift rhs cpu ok.
+using Row = std::vector<std::string>;
+
+std::vector<Row> documented_rows() {
+  const std::vector<std::string> names = verification_names();
+  std::vector<Row> rows;
+  std::ifstream page(std::string(GRANARY_SOURCE_DIR) + "/docs/verification.md");
+  for (std::string line; std::getline(page, line);) {
+    std::istringstream words(line);
+    Row row{std::istream_iterator<std::string>(words), {}};
+    if (row.size() == 12 && std::find(names.begin(), names.end(), row[0]) != names.end()) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// In %, as the table prints it.
+std::string printed(double bound) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", 100.0 * bound);
+  return std::isnan(bound) ? "-" : text;
+}
+
+TEST(VerificationPage, HasEveryGridOfEveryCase) {
+  std::vector<std::string> known, documented;
+  for (const VerificationCase& v : verification_cases())
+    for (const Bound& grid : v.grids) known.push_back(v.name + " " + std::to_string(grid.bins));
+  for (const Row& row : documented_rows()) {
+    documented.push_back(row[0] + " " + row[1]);
+    EXPECT_EQ(row[11], "yes") << row[0];
+  }
+
+  EXPECT_EQ(documented, known);
+}
+
 class ExactSolution : public ::testing::TestWithParam<OnGrid> {};
 
 TEST_P(ExactSolution, IsMetWithinTheBoundsOfItsCase) {
@@ -38,6 +76,15 @@ TEST_P(ExactSolution, IsMetWithinTheBoundsOfItsCase) {
   EXPECT_TRUE(v->passed) << json::dump(to_json(*v), 2);
   EXPECT_FALSE(std::isnan(v->l1_bound) && v->moment_bounds.empty()) << "nothing is bounded";
   EXPECT_GE(v->least_number, 0.0);
+  for (const Row& row : documented_rows()) {
+    if (row[0] != v->name || row[1] != std::to_string(v->bins)) continue;
+    EXPECT_EQ(row[3], printed(v->l1_bound)) << "the page has another bound";
+    EXPECT_EQ(row[6], printed(v->moment_bound("M20"))) << "the page has another bound";
+    if (row[2] != "-" && row[2] != "0.000") {
+      const double l1 = std::stod(row[2]) / 100.0;
+      EXPECT_NEAR(v->errors.l1_number, l1, 0.02 * l1 + 5e-6) << "the page has another error";
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Grids, ExactSolution, ::testing::ValuesIn(small_grids()), [](const auto& test) {
