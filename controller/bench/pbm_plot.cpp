@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
-#include <utility>
 
 #include "common/files.hpp"
 #include "pilot/launch/run_program.hpp"
@@ -16,45 +16,50 @@ using json::Value;
 constexpr double kTimeout = 60.0;  // [s]
 
 constexpr const char* kStyle = R"(set encoding utf8
-set terminal svg noenhanced size 860,540 dynamic font 'system-ui,sans-serif,15' background '#ffffff'
+set terminal svg noenhanced size 860,520 dynamic font 'system-ui,sans-serif,15' background '#ffffff'
 set border 3 lc rgb '#94a3b8' lw 1
 set tics out nomirror scale 0.5 textcolor rgb '#334155'
-set xlabel 'CPU time, one core [s]' textcolor rgb '#334155'
-set ylabel 'L1 error of the numbers [%]' textcolor rgb '#334155'
-set title 'Aggregation of two solids, degree of aggregation 0.8: error against CPU time' textcolor rgb '#0f172a'
+set xlabel 'CPU time on one core' textcolor rgb '#334155'
+set ylabel 'L1 error of the numbers' textcolor rgb '#334155'
+set title 'Aggregation of two solids on n x n classes, against the exact solution' textcolor rgb '#0f172a'
 set grid xtics ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
-set key inside bottom left Left reverse samplen 2 spacing 1.2 textcolor rgb '#334155'
+set key inside top right Left reverse samplen 2 spacing 1.3 textcolor rgb '#334155'
 set logscale xy
-set format x '10^%T'
-set format y '%g'
-set terminal svg enhanced
+set xtics ('0.1 ms' 1e-4, '1 ms' 1e-3, '10 ms' 1e-2, '0.1 s' 1e-1, '1 s' 1, '10 s' 10, '100 s' 100, '1000 s' 1000)
+set ytics ('0.1 %%' 0.1, '0.3 %%' 0.3, '1 %%' 1, '3 %%' 3, '10 %%' 10, '30 %%' 30)
+set yrange [0.2:40]
 )";
 
-/// Blues from light to dark for the solver, oranges for the reference: finer grids are darker.
-const std::map<std::pair<std::string, std::int64_t>, const char*> kColours{
-    {{"solver", 16}, "#93c5fd"},   {{"solver", 32}, "#3b82f6"},    {{"solver", 64}, "#1d4ed8"},
-    {{"solver", 128}, "#172554"},  {{"reference", 16}, "#fdba74"}, {{"reference", 32}, "#f97316"},
-    {{"reference", 64}, "#9a3412"}};
+struct Look {
+  const char *method, *title, *colour;
+  int point;
+};
+constexpr std::array<Look, 2> kLooks{
+    {{"solver", "granary-pbm", "#1d4ed8", 7}, {"reference", "plain reference, explicit Euler", "#ea580c", 5}}};
 
 }  // namespace
 
 std::string work_precision_script(const Value& document) {
-  std::map<std::pair<std::string, std::int64_t>, std::string> curves;
-  for (const Value& row : document["work_precision"].items_or_none())
-    curves[{row.text_or("method", ""), row.integer_or("bins", 0)}] +=
-        fmt::format("{} {}\n", row.number_or("cpu_s", 0.0), 100.0 * row.number_or("l1_number", 0.0));
-  std::string data, plot;
-  for (const char* method : {"solver", "reference"})
-    for (const auto& [key, points] : curves) {
-      if (key.first != method) continue;
-      const auto colour = kColours.find(key);
-      data += fmt::format("${}_{} << EOD\n{}EOD\n", key.first, key.second, points);
-      plot += fmt::format("{}${}_{} with linespoints lw 2 pt {} ps 0.8 lc rgb '{}' title '{}, {} x {} classes'",
-                          plot.empty() ? "plot " : ", \\\n     ", key.first, key.second, key.first == "solver" ? 7 : 5,
-                          colour == kColours.end() ? "#64748b" : colour->second,
-                          key.first == "solver" ? "granary-pbm" : "plain reference", key.second, key.second);
+  std::string data, labels, plot;
+  for (const Look& look : kLooks) {
+    std::map<std::int64_t, std::string> curves;  // by bins
+    for (const Value& row : document["work_precision"].items_or_none()) {
+      if (row.text_or("method", "") != look.method) continue;
+      const double cpu = row.number_or("cpu_s", 0.0), error = 100.0 * row.number_or("l1_number", 0.0);
+      const std::int64_t bins = row.integer_or("bins", 0);
+      if (curves.find(bins) == curves.end())
+        labels += fmt::format("set label 'n = {}' at {},{} offset 0,1 left textcolor rgb '{}'\n", bins, cpu, error,
+                              look.colour);
+      curves[bins] += fmt::format("{} {}\n", cpu, error);
     }
-  return kStyle + data + plot + "\nunset output\n";
+    for (const auto& [bins, points] : curves) {
+      data += fmt::format("${}_{} << EOD\n{}EOD\n", look.method, bins, points);
+      plot += fmt::format("{}${}_{} with linespoints lw 2 pt {} ps 0.7 lc rgb '{}' {}",
+                          plot.empty() ? "plot " : ", \\\n     ", look.method, bins, look.point, look.colour,
+                          bins == curves.begin()->first ? fmt::format("title '{}'", look.title) : "notitle");
+    }
+  }
+  return kStyle + data + labels + plot + "\nunset output\n";
 }
 
 Status draw_work_precision(const Value& document, const std::filesystem::path& file) {
