@@ -91,7 +91,7 @@ std::string convergence_script(std::span<const Verification> results) {
   std::string script = fmt::format(
       "set encoding utf8\n"
       "set terminal svg noenhanced size {},{} dynamic background rgb 'white' font 'system-ui,sans-serif,13'\n"
-      "set multiplot layout {},{} margins 0.06,0.81,0.08,0.93 spacing 0.25,0.17\n",
+      "set multiplot layout {},{} margins 0.075,0.815,0.08,0.93 spacing 0.25,0.17\n",
       kWidth * columns / 2, kPanelHeight * rows, rows, columns);
   script +=
       "set logscale xy\n"

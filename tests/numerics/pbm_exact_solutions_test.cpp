@@ -1,10 +1,12 @@
 // The solver against exact solutions, on the coarse grids of every case of granary-pbm verify; and the exact solutions
 // against the balance they are said to solve.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -12,7 +14,8 @@
 #include <vector>
 
 #include "common/json/io.hpp"
-#include "pbm_solver/verification/exact_solutions.hpp"
+#include "pbm_solver/time/simulation.hpp"
+#include "pbm_solver/verification/convergence_plot.hpp"
 #include "pbm_solver/verification/verification.hpp"
 
 namespace granary::pbm {
@@ -115,6 +118,72 @@ TEST(ExactSolutions, AreKeptByTheTimeStepsWithThirdOrder) {
   ASSERT_TRUE(loose && tight);
   EXPECT_LT(std::abs(loose->moment("M00")), 1e-3);
   EXPECT_LT(std::abs(tight->moment("M00")), std::abs(loose->moment("M00")) / 20.0);
+}
+
+TEST(ExactSolutions, FailInWordsBeyondEachBound) {
+  Verification v;
+  v.errors = {0.2, 0.2, {{"M00", 1e-3}, {"M20", 0.4}}};
+  v.l1_bound = 0.2, v.moment_bounds = {{"M00", 1e-3}, {"M20", 0.4}};
+  v.drift.gas = v.drift_bound = 1e-13;
+  EXPECT_TRUE(v.faults().empty());
+
+  v.errors.l1_number = std::nan("");
+  v.errors.moments[1].second = -0.41;
+  v.drift.liquid = 2e-13;
+  v.least_number = -1e-9;
+
+  EXPECT_EQ(v.faults().size(), 4u);
+  EXPECT_NE(v.faults()[1].find("M20"), std::string::npos) << v.faults()[1];
+}
+
+TEST(ExactSolutions, HaveNoBoundsOnOtherGridsButOnWhatIsConserved) {
+  const auto v = verify("sum-1d", 41);
+
+  ASSERT_TRUE(v);
+  EXPECT_TRUE(std::isnan(v->l1_bound));
+  EXPECT_TRUE(v->moment_bounds.empty());
+  EXPECT_EQ(v->drift_bound, 1e-13);
+  EXPECT_TRUE(v->passed);
+}
+
+TEST(ConvergencePlot, HasALineAndAnOrderForEachCase) {
+  const auto results = verify_grids("constant-1d", {});
+  ASSERT_TRUE(results);
+  const auto file = std::filesystem::temp_directory_path() / ("granary-plot-" + std::to_string(getpid()) + ".svg");
+
+  const Status written = write_convergence_plot(*results, file);
+
+  ASSERT_TRUE(written) << written.error().message;
+  std::ifstream stream(file);
+  const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+  std::filesystem::remove(file);
+  EXPECT_NE(svg.find("constant-1d  1.8"), std::string::npos);
+  EXPECT_NE(svg.find("</svg>"), std::string::npos);
+  EXPECT_FALSE(write_convergence_plot(std::span(*results).first(1), file)) << "one grid has no order";
+}
+
+TEST(PowerBreakage, IsReadAsWrittenAndIsLinearForExponentOne) {
+  const std::vector<VerificationCase> cases = breakage_cases();
+  PbmCase c = cases.front().pbm_case(24);
+  ASSERT_EQ(c.breakage->selection, Breakage::Selection::power);
+  ASSERT_EQ(c.breakage->exponent, 1.0);
+  const auto end_of = [](const PbmCase& one) {
+    Alone alone(1);
+    Simulation simulation(one, initial_snapshot(one, ClassGrid(one.grid)), alone, 1);
+    EXPECT_TRUE(simulation.advance(one.end_time));
+    return simulation.snapshot().number;
+  };
+  const std::vector<double> power = end_of(c);
+  c.breakage->selection = Breakage::Selection::linear;
+  EXPECT_EQ(end_of(c), power);
+
+  c.breakage->selection = Breakage::Selection::power;
+  c.breakage->exponent = 2.5;
+  const auto read = read_case(to_json(c), "case.json");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->breakage->selection, Breakage::Selection::power);
+  EXPECT_EQ(read->breakage->exponent, 2.5);
+  EXPECT_NE(end_of(*read), power);
 }
 
 TEST(ExactSolutions, AreRefusedByAnUnknownName) {

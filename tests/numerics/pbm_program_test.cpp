@@ -334,7 +334,14 @@ TEST_F(PbmProgram, VerifiesItself) {
   ASSERT_EQ(ended.exit, 0) << ended.err;
   const auto document = json::parse(ended.out, "stdout");
   ASSERT_TRUE(document);
-  EXPECT_LT((*document)["cases"].items()[0]["l1_number"].as_number(), 0.0265);
+  const json::Value& one = (*document)["cases"].items()[0];
+  EXPECT_LT(one["l1_number"].as_number(), 0.0265);
+  EXPECT_EQ(one["bins"].as_integer(), 40);
+  EXPECT_TRUE(one["passed"].as_bool());
+  EXPECT_LT(one["drift"]["solid_1"].as_number(), 1e-13);
+  EXPECT_LT(std::abs(one["moment_errors"]["M00"].as_number()), 2e-5);
+  EXPECT_GT(one["rhs_evaluations"].as_integer(), 0);
+  for (const char* key : {"name", "order", "cpu_s"}) EXPECT_NE(one.find(key), nullptr) << key;
   EXPECT_EQ(wait_for(start({kProgram, "verify", "sum-3d"})).exit, 2);
 }
 
