@@ -13,12 +13,13 @@ std::string number_text(const Value& value, fmt::format_string<double> format) {
 
 std::string rhs_table(const Value& document) {
   std::string text = "One right-hand side, one core (bins x bins x compartments)\n";
-  text += fmt::format("{:<10} {:>7}  {:<22} {:>10} {:>10} {:>8}   {}\n", "grid", "classes", "kernel", "solver",
-                      "reference", "ratio", "how the reference was timed");
+  text += fmt::format("{:<10} {:>7}  {:<22} {:>10} {:>10} {:>8} {:>10} {:>8}   {}\n", "grid", "classes", "kernel",
+                      "solver", "reference", "ratio", "bisecting", "ratio", "how the reference was timed");
   for (const Value& row : document["rhs"].items_or_none())
-    text += fmt::format("{:<10} {:>7}  {:<22} {:>10} {:>10} {:>8}   {}\n", row.text_or("grid", ""),
+    text += fmt::format("{:<10} {:>7}  {:<22} {:>10} {:>10} {:>8} {:>10} {:>8}   {}\n", row.text_or("grid", ""),
                         row.integer_or("classes", 0), row.text_or("kernel", ""), duration_text(row["solver_s"]),
                         duration_text(row["reference_s"]), number_text(row["ratio"], "{:.1f}x"),
+                        duration_text(row["bisecting_reference_s"]), number_text(row["ratio_to_bisecting"], "{:.1f}x"),
                         row.find("kernel_refresh_s") == nullptr
                             ? row.text_or("reference_how", "")
                             : fmt::format("none; the kernel anew: {}", duration_text(row["kernel_refresh_s"])));

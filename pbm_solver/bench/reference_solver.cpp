@@ -19,7 +19,13 @@ std::vector<double> upper_edges(const SolidAxis& axis) {
   return edges;
 }
 
-std::size_t cell_of(const std::vector<double>& edges, double v) {
+std::size_t scan(const std::vector<double>& edges, double v) {
+  std::size_t cell = 0;
+  while (cell < edges.size() && v >= edges[cell]) ++cell;
+  return cell;
+}
+
+std::size_t bisection(const std::vector<double>& edges, double v) {
   return static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), v) - edges.begin());
 }
 
@@ -42,8 +48,9 @@ void add(std::vector<double>& to, double factor, const std::vector<double>& what
 
 }  // namespace
 
-ReferenceSolver::ReferenceSolver(const PbmCase& c)
-    : grid_(c.grid),
+ReferenceSolver::ReferenceSolver(const PbmCase& c, CellSearch search)
+    : search_(search),
+      grid_(c.grid),
       rows_(static_cast<std::size_t>(grid_.axis(0).size())),
       columns_(static_cast<std::size_t>(grid_.axis(1).size())),
       row_edges_(upper_edges(grid_.axis(0))),
@@ -62,11 +69,16 @@ void ReferenceSolver::rates(const ReferenceState& state, ReferenceState& rates) 
 
 void ReferenceSolver::rates_of_compartment(std::size_t x, const ReferenceState& state, ReferenceState& rates) {
   std::fill(cells_.begin(), cells_.end(), Cell{});
-  collect_pairs(x, state, rates);
+  // Lambdas, so that the search is compiled into the loop.
+  if (search_ == CellSearch::scan)
+    collect_pairs(x, state, rates, [](const auto& edges, double v) { return scan(edges, v); });
+  else
+    collect_pairs(x, state, rates, [](const auto& edges, double v) { return bisection(edges, v); });
   share_cells(x, rates);
 }
 
-void ReferenceSolver::collect_pairs(std::size_t x, const ReferenceState& state, ReferenceState& rates) {
+template <class Search>
+void ReferenceSolver::collect_pairs(std::size_t x, const ReferenceState& state, ReferenceState& rates, Search cell_of) {
   const std::size_t n = grid_.size(), first = x * n;
   const double *number = &state.number[first], *liquid = &state.liquid[first], *gas = &state.gas[first];
   const double *solid_1 = grid_.solid_1().data(), *solid_2 = grid_.solid_2().data();

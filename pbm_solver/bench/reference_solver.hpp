@@ -12,6 +12,10 @@
 
 namespace granary::pbm::bench {
 
+/// How the reference finds the cell of a sum of volumes: the published codes try one cell after the other (all of them,
+/// where this one ends at the right one); bisection is what a careful author would write.
+enum class CellSearch { scan, bisection };
+
 /// Totals of the classes of every compartment, or their rates of change; shape (X, n_classes) each.
 struct ReferenceState {
   std::vector<double> number, liquid, gas;
@@ -24,12 +28,12 @@ struct ReferenceState {
 ///   death_k += beta_km F_m
 ///
 /// then the cell average on the same cells as ours. beta_km = scale_x table[class_k][class_m] [1/s], class by dry solid
-/// volume. O(X n_classes^2), with a binary search for the row and one for the column in each pair.
+/// volume. O(X n_classes^2), with a search for the row and one for the column in each pair.
 class ReferenceSolver {
  public:
   /// The case's aggregation must be a constant kernel, or the exact table of DEM classes, with constant efficiency
   /// (asserted); everything else in the case is left out.
-  explicit ReferenceSolver(const PbmCase& pbm_case);
+  explicit ReferenceSolver(const PbmCase& pbm_case, CellSearch search = CellSearch::scan);
 
   std::size_t compartments() const { return scale_.size(); }
   const ClassGrid& grid() const { return grid_; }
@@ -42,9 +46,11 @@ class ReferenceSolver {
   struct Cell {
     double number, solid_1, solid_2, liquid, gas;
   };
-  void collect_pairs(std::size_t x, const ReferenceState& state, ReferenceState& rates);
+  template <class Search>
+  void collect_pairs(std::size_t x, const ReferenceState& state, ReferenceState& rates, Search cell_of);
   void share_cells(std::size_t x, ReferenceState& rates) const;
 
+  CellSearch search_;
   ClassGrid grid_;
   std::size_t rows_, columns_;
   std::vector<double> row_edges_, column_edges_;  ///< upper edges of the cells [m^3]

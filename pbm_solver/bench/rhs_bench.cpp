@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <string>
 
 #include "pbm_solver/bench/bench_cases.hpp"
 #include "pbm_solver/bench/measure.hpp"
@@ -32,9 +32,11 @@ const char* name_of(KernelKind kernel) {
   return "";
 }
 
-/// In the quick bench the largest case is that of one compartment: they do not see each other here.
+/// Of the largest cases one compartment is timed, all of them only once and in the longer benches: they do not see each
+/// other here.
 bool one_for_all(const Row& row, Effort effort) {
-  return effort == Effort::quick && row.compartments > 1 && std::pow(double(row.bins), 4) > 1e7;
+  if (row.compartments == 1 || row.bins < 64) return false;
+  return effort == Effort::quick || (effort == Effort::usual && row.n_classes != 8);
 }
 
 Value measure(const Row& row, Effort effort) {
@@ -55,21 +57,28 @@ Value measure(const Row& row, Effort effort) {
         .set("ratio", Value())
         .set("kernel_refresh_s", timings[1].seconds);
   }
-  ReferenceSolver reference(b.pbm_case);
+  ReferenceSolver reference(b.pbm_case), bisecting(b.pbm_case, CellSearch::bisection);
   const ReferenceState state = reference_state(b.start);
   ReferenceState rates = state;
   const bool one = one_for_all(row, effort);
-  contenders.push_back({[&] { one ? reference.rates_of_compartment(0, state, rates) : reference.rates(state, rates); },
-                        by_effort(effort, 0.5, 4.0, 20.0)});
+  for (ReferenceSolver* solver : {&reference, &bisecting})
+    contenders.push_back({[&, solver] {
+                            if (one)
+                              solver->rates_of_compartment(0, state, rates);
+                            else
+                              solver->rates(state, rates);
+                          },
+                          by_effort(effort, 0.5, 4.0, 20.0)});
   const std::vector<Timing> timings = time_in_turn(contenders, rounds);
-  const double theirs = timings[1].seconds * (one ? row.compartments : 1);
-  return json.set("solver_s", timings[0].seconds)
-      .set("reference_s", theirs)
-      .set("ratio", theirs / timings[0].seconds)
-      .set("reference_how",
-           fmt::format("{} of {}{}", timings[1].rounds == 1 ? "one evaluation" : "median",
-                       one ? fmt::format("1 compartment, times {}", row.compartments) : "all compartments",
-                       timings[1].rounds == 1 ? "" : fmt::format(", {} rounds", timings[1].rounds)));
+  const double ours_s = timings[0].seconds, times = one ? row.compartments : 1;
+  const std::string of = one ? fmt::format("1 compartment, times {}", row.compartments) : "all compartments";
+  const int n = timings[1].rounds;
+  return json.set("solver_s", ours_s)
+      .set("reference_s", timings[1].seconds * times)
+      .set("ratio", timings[1].seconds * times / ours_s)
+      .set("reference_how", n == 1 ? "one evaluation of " + of : fmt::format("median of {} rounds of {}", n, of))
+      .set("bisecting_reference_s", timings[2].seconds * times)
+      .set("ratio_to_bisecting", timings[2].seconds * times / ours_s);
 }
 
 }  // namespace

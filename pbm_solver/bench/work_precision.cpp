@@ -124,7 +124,7 @@ Value speedup_at(double error, const Method& ours, const Method& reference) {
 
 Value work_precision(Effort effort) {
   Method ours("solver", by_effort(effort, 2.0, 40.0, 600.0));
-  Method reference("reference", by_effort(effort, 2.5, 65.0, 900.0));
+  Method reference("reference", by_effort(effort, 4.0, 110.0, 1500.0));
   run_ours(ours, by_effort<std::vector<int>>(effort, {16, 32, 64}, {16, 32, 64, 128}, {16, 32, 64, 128}));
   std::vector<double> limits{0.1, 0.05, 0.02};
   if (effort == Effort::full) limits.insert(limits.end(), {0.01, 0.005});

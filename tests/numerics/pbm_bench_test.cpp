@@ -57,9 +57,12 @@ void expect_same_rates(const BenchCase& b) {
   SolverRates solver(b.pbm_case, b.start, alone, 1);
   solver.evaluate();
   const ReferenceState ours = solver.rates();
-  ReferenceSolver reference(b.pbm_case);
-  ReferenceState theirs = reference_state(b.start);
-  reference.rates(reference_state(b.start), theirs);
+  ReferenceSolver scanning(b.pbm_case, CellSearch::scan), bisecting(b.pbm_case, CellSearch::bisection);
+  ReferenceState theirs = reference_state(b.start), found_by_bisection = theirs;
+  scanning.rates(reference_state(b.start), theirs);
+  bisecting.rates(reference_state(b.start), found_by_bisection);
+  EXPECT_EQ(theirs.number, found_by_bisection.number);
+  EXPECT_EQ(theirs.liquid, found_by_bisection.liquid);
 
   const auto compare = [&](const char* what, const std::vector<double>& a, const std::vector<double>& c,
                            const std::vector<double>& content) {
