@@ -45,7 +45,7 @@ class CompartmentBlock {
 
  private:
   void look_up_selection();
-  void look_at_particles(const double* state, bool afresh);
+  void follow_particles(const double* state, bool afresh);
   void add_aggregation(const double* state, const double* participation, double* rates);
   void consolidate(const double* state, double* rates) const;
   void add_feed(double* rates) const;

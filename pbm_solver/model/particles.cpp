@@ -3,6 +3,7 @@
 #include <math.h>  // not <cmath>: the vector forms belong to the global names
 
 #include <algorithm>
+#include <array>
 
 #include "common/units.hpp"
 #include "pbm_solver/model/every_width.hpp"
@@ -35,6 +36,36 @@ void fill(const Columns& c, std::size_t n, double saturation_factor, double liqu
     c.liquid_fraction[k] = outside / v;
     c.porosity[k] = (l + g) / v;
   }
+}
+
+struct Change {
+  const double *number, *liquid, *gas, *solid, *known_volume, *known_liquid, *dry_area;
+  double saturation_factor, tolerance, asperity;
+};
+
+/// Totals are compared with what they would be if no particle had changed: no division by the number.
+inline __attribute__((always_inline)) int has_moved(const Change& c, std::size_t k, double least) {
+  const double number = c.number[k], liquid = c.liquid[k], gas = c.gas[k];
+  const double soaked = c.saturation_factor * gas, inside = soaked < liquid ? soaked : liquid;
+  const double volume_change = fabs(c.solid[k] * number + liquid + gas - number * c.known_volume[k]);
+  const double film_change = fabs(liquid - inside - number * c.known_liquid[k]);
+  const int too_far = (volume_change > c.tolerance * number * c.known_volume[k]) |
+                      (film_change > c.tolerance * number * (c.known_liquid[k] + c.asperity * c.dry_area[k]));
+  return too_far & (c.solid[k] * number > least);
+}
+
+GRANARY_EVERY_WIDTH
+int count_moved(const Change& c, std::size_t n, std::size_t lanes, const double* least) {
+  int moved = 0;
+  if (lanes == 1) {
+#pragma omp simd reduction(+ : moved)
+    for (std::size_t k = 0; k < n; ++k) moved += has_moved(c, k, least[0]);
+    return moved;
+  }
+  for (std::size_t k = 0; k < n; k += kLanes)
+#pragma omp simd reduction(+ : moved)
+    for (std::size_t l = 0; l < kLanes; ++l) moved += has_moved(c, k + l, least[l]);
+  return moved;
 }
 
 }  // namespace
@@ -70,37 +101,30 @@ SolidLanes::SolidLanes(const ClassGrid& grid, const Materials& materials, int la
 
 ParticleTable::ParticleTable(const SolidLanes& solids, const Materials& materials)
     : solids_(&solids), saturation_factor_(materials.saturation_factor), liquid_density_(materials.liquid_density) {
-  for (auto* list : {&diameter, &inverse_diameter, &inverse_mass, &film, &liquid_fraction, &porosity, &volume, &number_,
-                     &liquid_, &gas_, &known_liquid_, &known_gas_})
+  for (auto* list : {&diameter, &inverse_diameter, &inverse_mass, &film, &liquid_fraction, &porosity, &volume, &liquid_,
+                     &gas_, &known_liquid_})
     list->resize(solids.solid.size());
 }
 
 void ParticleTable::look_at(const double* number, const double* liquid, const double* gas) {
-  for (std::size_t k = 0; k < number_.size(); ++k) {
+  for (std::size_t k = 0; k < liquid_.size(); ++k) {
     const bool there = number[k] > 0.0;
     const double per_number = there ? 1.0 / number[k] : 0.0;
-    number_[k] = number[k];
     liquid_[k] = std::max(0.0, liquid[k] * per_number);
     gas_[k] = std::max(0.0, gas[k] * per_number);
   }
 }
 
-bool ParticleTable::moved(double tolerance, double asperity, int lanes) const {
+bool ParticleTable::moved(const double* number, const double* liquid, const double* gas, double tolerance,
+                          double asperity, int lanes) const {
   if (!known_ || tolerance <= 0.0) return true;
+  std::array<double, kLanes> least{};
   const auto width = static_cast<std::size_t>(lanes);
-  for (std::size_t lane = 0; lane < width; ++lane) {
-    double held = 0.0;
-    for (std::size_t k = lane; k < number_.size(); k += width) held += solids_->solid[k] * number_[k];
-    for (std::size_t k = lane; k < number_.size(); k += width) {
-      if (!(solids_->solid[k] * number_[k] > kHolds * held)) continue;
-      const double l = known_liquid_[k], g = known_gas_[k];
-      if (std::abs(liquid_[k] + gas_[k] - l - g) > tolerance * (solids_->solid[k] + l + g)) return true;
-      const double outside = external_liquid(l, g, saturation_factor_);
-      const double change = external_liquid(liquid_[k], gas_[k], saturation_factor_) - outside;
-      if (std::abs(change) > tolerance * (outside + asperity * solids_->dry_area[k])) return true;
-    }
-  }
-  return false;
+  for (std::size_t k = 0; k < volume.size(); k += width)
+    for (std::size_t l = 0; l < width; ++l) least[l] += kHolds * solids_->solid[k + l] * number[k + l];
+  return count_moved({number, liquid, gas, solids_->solid.data(), volume.data(), known_liquid_.data(),
+                      solids_->dry_area.data(), saturation_factor_, tolerance, asperity},
+                     volume.size(), width, least.data()) > 0;
 }
 
 ParticleTable ParticleTable::lane(std::size_t lane, std::size_t lanes) const {
@@ -123,7 +147,8 @@ LaneVector ParticleTable::wet(double least) const {
 }
 
 void ParticleTable::remember() {
-  known_liquid_ = liquid_, known_gas_ = gas_;
+  for (std::size_t k = 0; k < liquid_.size(); ++k)
+    known_liquid_[k] = external_liquid(liquid_[k], gas_[k], saturation_factor_);
   known_ = true;
   fill({solids_->solid.data(), solids_->mass.data(), liquid_.data(), gas_.data(), diameter.data(),
         inverse_diameter.data(), inverse_mass.data(), film.data(), liquid_fraction.data(), porosity.data(),

@@ -38,11 +38,12 @@ class ParticleTable {
  public:
   ParticleTable(const SolidLanes& solids, const Materials& materials);
 
-  /// Liquid and gas of the mean particles [m^3].
+  /// Liquid and gas of the mean particles [m^3] from the totals of the classes.
   void look_at(const double* number, const double* liquid, const double* gas);
   /// Whether, in a class that holds more than 1e-8 of its compartment's solids, the volume or the film has moved by
   /// more than `tolerance` since remember(): |dV| <= tolerance V and |dl_ext| <= tolerance (l_ext + asperity pi d^2).
-  bool moved(double tolerance, double asperity, int lanes) const;
+  bool moved(const double* number, const double* liquid, const double* gas, double tolerance, double asperity,
+             int lanes) const;
   /// 1 for the classes with at least this liquid fraction, else 0; [class][lanes].
   LaneVector wet(double least_liquid_fraction) const;
   /// Works out the figures below and remembers the liquid and gas they belong to.
@@ -63,7 +64,7 @@ class ParticleTable {
   const SolidLanes* solids_;
   double saturation_factor_, liquid_density_;
   bool known_ = false;
-  LaneVector number_, liquid_, gas_, known_liquid_, known_gas_;
+  LaneVector liquid_, gas_, known_liquid_;  ///< now; and external liquid at remember() [m^3]
 };
 
 }  // namespace granary::pbm

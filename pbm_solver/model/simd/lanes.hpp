@@ -25,7 +25,8 @@ using LaneVector = std::vector<double, AlignedAllocator<double>>;
 /// the lanes are then the moments of a class (N, s1, s2, liquid, gas). The choice depends on the case alone, so that
 /// the bits of a result do not depend on ranks or threads: every lane sees the same operations in any block.
 inline constexpr int kLanes = 8;
-inline constexpr int kOneByOne = 4;  ///< up to so many compartments are taken one by one
+inline constexpr int kOneByOne =
+    2;  ///< up to so many compartments are taken one by one: measured, a block costs as much as 2.5
 inline int lanes_for(int n_compartments) { return n_compartments <= kOneByOne ? 1 : kLanes; }
 
 /// Moments of a class that births carry: number, solid 1, solid 2, liquid, gas.
