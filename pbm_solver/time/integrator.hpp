@@ -1,4 +1,4 @@
-// One error-controlled step of the row of compartments: explicit, conservative, never negative.
+// One error-controlled step of the row of compartments: conservative, nothing clipped, explicit or partly implicit.
 #pragma once
 
 #include <array>
@@ -7,9 +7,13 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "pbm_solver/time/additive_method.hpp"
 #include "pbm_solver/time/compartment_row.hpp"
 #include "pbm_solver/time/exchange.hpp"
+#include "pbm_solver/time/small_classes.hpp"
+#include "pbm_solver/time/state_passes.hpp"
 #include "pbm_solver/time/step_control.hpp"
+#include "pbm_solver/time/stiff_part.hpp"
 
 namespace granary::pbm {
 
@@ -18,29 +22,27 @@ inline constexpr Exit kToleranceNotKept = static_cast<Exit>(20);
 
 struct WorkCount {
   std::int64_t steps = 0;
+  std::int64_t implicit_steps = 0;  ///< of these, those that took the stiff part implicitly
   std::int64_t rejected = 0;
   std::int64_t rhs_evaluations = 0;
 };
 
-/// The strong-stability-preserving Runge-Kutta method with 4 stages and order 3, its error from an embedded method of
-/// order 2:
+/// Each step is taken with one of two methods of order 3 with 4 evaluations (additive_method.hpp): the explicit one,
+/// or, where what passes through classes that break or leave the grid too fast for it matters, the one that takes
+/// these two (stiff_part.hpp) implicitly. The choice follows from state and step alone.
 ///
-///   u1 = u + h/2 f(u),  u2 = u1 + h/2 f(u1),  u3 = 2/3 u + 1/3 (u2 + h/2 f(u2)),  u+ = u3 + h/2 f(u3)
-///   error = h (-f0 - f1 - f2 + 3 f3) / 12
-///
-/// Every stage is a mean of Euler steps of h/2, so a state stays positive as long as those do; that is checked, nothing
-/// is ever clipped. A class that would be emptied in h/2 shortens the step, unless it is among the smallest, which
-/// together hold a tenth of the tolerance of their compartment's solids: such a class takes part in aggregation and
-/// breakage by a factor < 1 during this step (births and deaths alike, so the balance stays closed), that is, what it
-/// should hand on is delayed by up to a step.
+/// Nothing is ever clipped. Small classes that are faster than the step in what is explicit are slowed down
+/// (small_classes.hpp); a step that would still empty a class is repeated shorter. Values below 0 may be born of
+/// kernels known only to their tolerance, and of implicit decay; in a stage they may come to a tenth of the tolerance
+/// of what their compartment holds, or the step is repeated shorter.
 ///
 /// Error norm: the largest, over compartments and over {number, solid volume, liquid, gas}, of the sum of absolute
 /// errors over the sum held there, relative to the tolerance. To what is held come 1e-3 of the row's mean and of what
 /// feed and spray bring between two outputs (a start from empty, a spray onto the first particles), and for liquid and
-/// gas 1e-3 of the solids. Source: [kraaijevanger1991], embedded method [fekete2022].
+/// gas 1e-3 of the solids.
 class Integrator {
  public:
-  Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& pbm_case, double last_error);
+  Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& pbm_case, double last_error, int threads);
 
   struct Step {
     double taken = 0.0;  ///< [s]
@@ -56,41 +58,40 @@ class Integrator {
 
  private:
   enum class Verdict { fine, throttle, shorten };
-  enum class Size : char { large, small, dust };
   struct Judgement {
     Verdict verdict = Verdict::fine;
     double error = 0.0;
     int worst_compartment = 0;
     int worst_quantity = 0;
   };
-  bool slowed_down(std::span<const double> state, std::size_t x, std::size_t k, double h) const;
-  bool emptied(std::span<const double> state, std::size_t x, std::size_t k, double h) const;
-  double limit_by_emptying(std::span<const double> state, double h) const;
-  double limit_by_filling(std::span<const double> state, double h) const;
-  double smallest(double mine) const;
+  void begin(std::span<const double> state, Inputs inputs, double h);
   double limit_first_stage(std::span<const double> state, Inputs inputs, double h);
   void run_stages(std::span<const double> state, Inputs inputs, double h);
-  double next_step(double taken, double longest, bool was_cut, double error);
-  Judgement judge(std::span<const double> state, double h);
-  void check(std::span<const double> stage);
+  void take_stage(std::span<const double> state, std::size_t stage, double h);
+  void estimate_error(double h);
   void evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs, LaneVector& rates);
-  void mark_small_classes(std::span<const double> state);
+  Judgement judge();
+  double smallest(double mine) const;
+  double next_step(double taken, double longest, bool was_cut, double error);
   Error too_hard(double time, double h, const Judgement& last) const;
 
   CompartmentRow* row_;
   Exchange* exchange_;
   std::size_t n_compartments_;
+  int threads_;
   double tolerance_;
-  std::array<double, 4> brought_{};  ///< by feed and spray between two outputs: number, solid, liquid, gas
+  Held brought_{};  ///< by feed and spray between two outputs
   StepControl control_;
   WorkCount work_;
-  LaneVector f0_, f1_, f2_, f3_, stage_, new_state_;
-  LaneVector first_rates_;          ///< f(state) with full participation
-  LaneVector participation_;        ///< shape (compartments, n_classes); empty: 1 everywhere
-  std::vector<Size> sizes_;         ///< what a class holds, shape (compartments, n_classes)
-  std::vector<double> slow_down_;   ///< per compartment: 1 if a small class went negative in a stage
-  std::vector<double> shorten_;     ///< per compartment: 1 if another did
-  std::vector<double> first_loss_;  ///< loss rates that belong to first_rates_ [1/s], shape (compartments, n_classes)
+  AdditiveMethod explicit_, implicit_explicit_;
+  const AdditiveMethod* method_;  ///< of the present step
+  SmallClasses small_;
+  StiffPart stiff_;
+  std::array<LaneVector, AdditiveMethod::kMost> e_, b_;  ///< E and B y of the stages
+  LaneVector first_rates_;                               ///< E(state) with full participation
+  LaneVector stage_, right_hand_side_, error_;
+  std::vector<SmallClasses::Negative> negative_;  ///< by compartment of this rank
+  std::vector<Held> before_, after_, off_;        ///< held at the start and the end of the step, error; likewise
 };
 
 }  // namespace granary::pbm

@@ -16,7 +16,7 @@ Simulation::Simulation(const PbmCase& c, const Snapshot& start, Exchange& exchan
     : tables_(std::make_unique<ModelTables>(c)),
       exchange_(&exchange),
       row_(*tables_, exchange, threads),
-      integrator_(row_, exchange, c, start.last_error),
+      integrator_(row_, exchange, c, start.last_error, threads),
       state_(row_.size()),
       time_(start.time),
       next_step_(start.next_step > 0.0 ? start.next_step : kFirstStep * c.output_every) {
