@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   auto* bench = app.add_subcommand("bench", "Measure what our programs cost, on this machine");
   bench->require_subcommand(1);
   auto* bench_pbm = bench->add_subcommand("pbm", "granary-pbm beside a plain reference (docs/bench.md)");
-  auto* quick = bench_pbm->add_flag("--quick", bench_options.quick, "About 20 s instead of 3 minutes");
+  auto* quick = bench_pbm->add_flag("--quick", bench_options.quick, "About 20 s instead of some 3 minutes");
   bench_pbm->add_flag("--full", bench_options.full, "Also what the reference needs many minutes for")->excludes(quick);
   bench_pbm->add_flag("--json", bench_options.json, "Print one JSON document on stdout and nothing else");
   bench_pbm->add_option("--plot", bench_options.plot, "Draw error against CPU time into this SVG file");

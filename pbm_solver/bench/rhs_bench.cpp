@@ -68,7 +68,7 @@ Value measure(const Row& row, Effort effort) {
                             else
                               solver->rates(state, rates);
                           },
-                          by_effort(effort, 0.5, 4.0, 20.0)});
+                          by_effort(effort, 0.5, 2.0, 20.0)});
   const std::vector<Timing> timings = time_in_turn(contenders, rounds);
   const double ours_s = timings[0].seconds, times = one ? row.compartments : 1;
   const std::string of = one ? fmt::format("1 compartment, times {}", row.compartments) : "all compartments";
