@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "common/json/io.hpp"
@@ -41,6 +43,14 @@ std::vector<Matrix> unflatten(const std::vector<double>& row, std::size_t n_x, s
   return tables;
 }
 
+/// The solver keeps every class non-negative but for round-off: what is below 0 by less than 1e-12 of the largest is none.
+void forgive_round_off(std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, value);
+  for (double& value : values)
+    if (value < 0.0 && value >= -1e-12 * largest) value = 0.0;
+}
+
 }  // namespace
 
 Result<monitor::Tallies> read_tallies(const fs::path& file) {
@@ -74,7 +84,8 @@ Result<HoldUp> read_hold_up(const fs::path& file, std::optional<double> time) {
   for (const auto& [name, target] : {std::pair{"/state/number", &hold_up.number},
                                      {"/state/liquid", &hold_up.liquid},
                                      {"/state/gas", &hold_up.gas}}) {
-    GRANARY_TRY(const std::vector<double> values, h5.read_row(name, row));
+    GRANARY_TRY(std::vector<double> values, h5.read_row(name, row));
+    forgive_round_off(values);
     const std::size_t here = n_1 * n_2 > 0 ? values.size() / (n_1 * n_2) : 0;
     if (n_x == 0) n_x = here;
     if (here == 0 || here != n_x || values.size() != n_x * n_1 * n_2)
