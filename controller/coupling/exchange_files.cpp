@@ -43,7 +43,8 @@ std::vector<Matrix> unflatten(const std::vector<double>& row, std::size_t n_x, s
   return tables;
 }
 
-/// The solver keeps every class non-negative but for round-off: what is below 0 by less than 1e-12 of the largest is none.
+/// The solver keeps every class non-negative but for round-off: what is below 0 by less than 1e-12 of the largest is
+/// none.
 void forgive_round_off(std::vector<double>& values) {
   double largest = 0.0;
   for (const double value : values) largest = std::max(largest, value);
