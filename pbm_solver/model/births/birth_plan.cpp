@@ -1,13 +1,14 @@
 #include "pbm_solver/model/births/birth_plan.hpp"
 
 #include <algorithm>
-#include <map>
+#include <span>
 
 namespace granary::pbm {
 namespace {
 
 constexpr int kNone = -1;
 constexpr int kUnset = -2;
+constexpr std::size_t kWorthKeeping = 3;  // terms of a sum that is used again
 
 }  // namespace
 
@@ -26,13 +27,18 @@ class BirthCompiler {
     place_slots();
     // The first pass finds which running column sums are ever asked for, the second one emits the code.
     wanted_until_.assign(static_cast<std::size_t>(n_groups_ * n2_), kNone);
+    accumulate_.into.resize(static_cast<std::size_t>(n1_ * n2_));
+    scale_.into.resize(static_cast<std::size_t>(n1_ * n2_));
+    along_row_sums_.resize(static_cast<std::size_t>(n2_ * n2_));
+    along_column_sums_.resize(static_cast<std::size_t>(n1_ * n2_));
     for (const bool emit : {false, true}) {
       code_.clear();
       products_ = 0;
       code_.insert(code_.end(), {n1_, far_, n_groups_ * n2_});
       list_column_prefixes();
       far_top_ = kNone;
-      for (int i = 0; i < n1_; ++i) compile_row(i, emit);
+      emit_ = emit;
+      for (int i = 0; i < n1_; ++i) compile_row(i);
     }
     plan.code_ = std::move(code_);
     plan.n_slots_ = n_slots_;
@@ -41,9 +47,28 @@ class BirthCompiler {
 
  private:
   using Terms = std::vector<int>;
-  struct Product {
-    int unit;
-    Terms sum;
+  /// Products that go to one cell: unit, count, slots of the sum ...
+  struct Cell {
+    int products = 0;
+    Terms code;
+  };
+  /// A slot that is valid while the stamp is the present one.
+  struct Stamped {
+    int stamp = 0, slot = kNone;
+  };
+  /// Lists by source slot, of which few are in use.
+  struct BySource {
+    std::vector<Terms> into;
+    Terms used;
+    Terms& of(int source) {
+      Terms& list = into[static_cast<std::size_t>(source)];
+      if (list.empty()) used.push_back(source);
+      return list;
+    }
+    void clear() {
+      for (const int source : used) into[static_cast<std::size_t>(source)].clear();
+      used.clear();
+    }
   };
 
   int slot(int i, int j) const { return i * n2_ + j; }
@@ -96,9 +121,10 @@ class BirthCompiler {
   }
 
   /// By source slot: (d, c) ...
-  void emit_by_source(const std::map<int, Terms>& list) {
-    code_.push_back(static_cast<int>(list.size()));
-    for (const auto& [source, into] : list) {
+  void emit_by_source(const BySource& list) {
+    code_.push_back(static_cast<int>(list.used.size()));
+    for (const int source : list.used) {
+      const Terms& into = list.into[static_cast<std::size_t>(source)];
       code_.push_back(source);
       code_.push_back(static_cast<int>(into.size()) / 2);
       code_.insert(code_.end(), into.begin(), into.end());
@@ -110,22 +136,25 @@ class BirthCompiler {
     code_.insert(code_.end(), list.begin(), list.end());
   }
 
-  void compile_row(int i, bool emit) {
+  void compile_row(int i) {
     i_ = i;
-    accumulate_.clear(), scale_.clear(), combine_.clear(), self_.clear(), multiply_.clear();
+    accumulate_.clear(), scale_.clear(), combine_.clear(), sum_.clear(), self_.clear();
+    n_combine_ = n_sum_ = 0;
+    cells_.resize(static_cast<std::size_t>(rows_->offsets() * n2_));
+    for (Cell& cell : cells_) cell.products = 0, cell.code.clear();
+    ++row_stamp_;
     next_temporary_ = first_temporary_;
     row_run_top_ = kNone;
     along_row_.assign(static_cast<std::size_t>(n2_), kNone);
     row_far_slot_.assign(static_cast<std::size_t>(n_groups_ * n2_), kNone);
     run_on_.assign(static_cast<std::size_t>(n_groups_), {});
     add_up_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets()), {});
-    n_combine_ = 0;
     column_slot_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets() * n2_), kUnset);
     row_slot_.assign(static_cast<std::size_t>(n_groups_ * columns_->offsets() * n2_), kUnset);
     row_far_top_.assign(static_cast<std::size_t>(n_groups_), kNone);
     block_top_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets()), kNone);
     block_slot_.assign(static_cast<std::size_t>(n_groups_ * rows_->offsets() * n2_), kNone);
-    extend_far(emit);
+    extend_far();
     for (int t1 = 0; t1 < rows_->offsets(); ++t1) {
       const PartnerRange partners = rows_->partners(i, t1);
       if (partners.empty()) continue;
@@ -137,6 +166,8 @@ class BirthCompiler {
     emit_by_source(scale_);
     code_.push_back(n_combine_);
     code_.insert(code_.end(), combine_.begin(), combine_.end());
+    code_.push_back(n_sum_);
+    code_.insert(code_.end(), sum_.begin(), sum_.end());
     emit_run_on();
     emit_sums(add_up_);
     emit_products();
@@ -144,7 +175,7 @@ class BirthCompiler {
   }
 
   /// Running column sums over the rows that stay in cell i: weighted for every group that will still ask.
-  void extend_far(bool emit) {
+  void extend_far() {
     const PartnerRange far = rows_->partners(i_, 0);
     const int top = far.empty() || far.first > 0 ? kNone : std::min(far.last, i_ - 1);
     far_here_ = top >= 0 && top >= far_top_;
@@ -153,8 +184,8 @@ class BirthCompiler {
       for (int j = 0; j < n2_; ++j)
         for (int c = 0; c < n_groups_; ++c) {
           const auto at = static_cast<std::size_t>(c * n2_ + j);
-          if (emit && wanted_until_[at] < i_) continue;
-          Terms& into = accumulate_[slot(far_top_, j)];
+          if (emit_ && wanted_until_[at] < i_) continue;
+          Terms& into = accumulate_.of(slot(far_top_, j));
           into.insert(into.end(), {far_ + c * n2_ + j, pair(c, group(far_top_, j))});
         }
     }
@@ -173,7 +204,7 @@ class BirthCompiler {
 
   int combined(int into, const Terms& weights_and_slots) {
     if (weights_and_slots.size() == 2) {
-      Terms& from = scale_[weights_and_slots[1]];
+      Terms& from = scale_.of(weights_and_slots[1]);
       from.insert(from.end(), {into, weights_and_slots[0]});
       return into;
     }
@@ -196,9 +227,9 @@ class BirthCompiler {
       until = std::max(until, i_);
       return known = far_ + c * n2_ + j;
     }
-    Terms terms;
-    for (int a = range.first; a <= last; ++a) terms.insert(terms.end(), {pair(c, group(a, j)), slot(a, j)});
-    return known = combined(temporary(), terms);
+    terms_.clear();
+    for (int a = range.first; a <= last; ++a) terms_.insert(terms_.end(), {pair(c, group(a, j)), slot(a, j)});
+    return known = combined(temporary(), terms_);
   }
 
   /// sum over j' < j in R2(j, t2) of C[c][g(i,j')] Q(i,j') along this row.
@@ -219,9 +250,9 @@ class BirthCompiler {
     }
     int& known = row_slot_[static_cast<std::size_t>((c * columns_->offsets() + t2) * n2_ + j)];
     if (known != kUnset) return known;
-    Terms terms;
-    for (int b = range.first; b <= last; ++b) terms.insert(terms.end(), {pair(c, group(i_, b)), slot(i_, b)});
-    return known = combined(temporary(), terms);
+    terms_.clear();
+    for (int b = range.first; b <= last; ++b) terms_.insert(terms_.end(), {pair(c, group(i_, b)), slot(i_, b)});
+    return known = combined(temporary(), terms_);
   }
 
   /// sum over j' <= last of column_sum(c, t1, j').
@@ -263,19 +294,24 @@ class BirthCompiler {
     return along_row_[static_cast<std::size_t>(j)];
   }
 
-  void multiply(int cell, int unit, Terms sum) {
+  void multiply(int t1, int column, int unit, const Terms& sum) {
     if (unit == kNone || sum.empty()) return;
-    multiply_[cell].push_back({unit, std::move(sum)});
     ++products_;
+    if (!emit_) return;
+    Cell& cell = cells_[static_cast<std::size_t>(t1 * n2_ + column)];
+    ++cell.products;
+    cell.code.push_back(unit);
+    cell.code.push_back(static_cast<int>(sum.size()));
+    cell.code.insert(cell.code.end(), sum.begin(), sum.end());
   }
 
   void compile_cell(int t1, PartnerRange partners, int j, int t2) {
     const PartnerRange range = columns_->partners(j, t2);
-    const int cell = slot(i_ + t1, j + t2), c = group(i_, j);
+    const int c = group(i_, j);
     // A: (i,j) dominates.
-    Terms sum;
+    factor_.clear();
     const auto take = [&](int from) {
-      if (from != kNone) sum.push_back(from);
+      if (from != kNone) factor_.push_back(from);
     };
     if (t2 == 0 && range.first == 0) {
       take(block_sum(c, t1, range.last));
@@ -284,55 +320,67 @@ class BirthCompiler {
     }
     if (partners.last == i_) {
       take(row_sum(c, t2, j));
-      if (range.last == j) self_.insert(self_.end(), {cell, pair(c, c), slot(i_, j)});
+      if (range.last == j) self_.insert(self_.end(), {slot(i_ + t1, j + t2), pair(c, c), slot(i_, j)});
     }
-    multiply(cell, slot(i_, j), sum);
-    // B: (i, j' < j) with (i' < i, j).
+    multiply(t1, j + t2, slot(i_, j), factor_);
+    // B: (i, j' < j) with (i' < i, j), one group at a time along the side that has fewer.
     const int last_row = std::min(partners.last, i_ - 1), last_column = std::min(range.last, j - 1);
     if (partners.first > last_row || range.first > last_column) return;
     if (columns_->pivot(j) <= rows_->pivot(i_)) {
-      for (int b = range.first; b <= last_column;) {
-        int end = b;
-        while (end < last_column && group(i_, end + 1) == group(i_, b)) ++end;
-        multiply(cell, column_sum(group(i_, b), t1, j),
-                 run_of(
-                     b, end, b == 0 || group(i_, b - 1) != group(i_, b), [&](int at) { return row_run(at); },
-                     [&](int at) { return slot(i_, at); }));
-        b = end + 1;
+      for (int b = range.first, end; b <= last_column; b = end + 1) {
+        for (end = b; end < last_column && group(i_, end + 1) == group(i_, b);) ++end;
+        multiply(t1, j + t2, column_sum(group(i_, b), t1, j), sum_along_row(b, end));
       }
     } else {
-      for (int a = partners.first; a <= last_row;) {
-        int end = a;
-        while (end < last_row && group(end + 1, j) == group(a, j)) ++end;
-        multiply(cell, row_sum(group(a, j), t2, j),
-                 run_of(
-                     a, end, a == 0 || group(a - 1, j) != group(a, j),
-                     [&](int at) { return along_column_[static_cast<std::size_t>(slot(at, j))]; },
-                     [&](int at) { return slot(at, j); }));
-        a = end + 1;
+      for (int a = partners.first, end; a <= last_row; a = end + 1) {
+        for (end = a; end < last_row && group(end + 1, j) == group(a, j);) ++end;
+        multiply(t1, j + t2, row_sum(group(a, j), t2, j), sum_along_column(a, end, j));
       }
     }
   }
 
-  /// Slots whose sum is that of first .. last of one group: one running sum if the group begins there.
-  template <class Run, class Slot>
-  static Terms run_of(int first, int last, bool from_its_start, Run run_to, Slot slot_at) {
-    if (from_its_start) return {run_to(last)};
-    Terms all;
-    for (int at = first; at <= last; ++at) all.push_back(slot_at(at));
-    return all;
+  /// Slots whose sum is that of Q(i, first .. last), all of one group.
+  const Terms& sum_along_row(int first, int last) {
+    if (first == 0 || group(i_, first - 1) != group(i_, first)) return one(row_run(last));
+    return summed(first, last, along_row_sums_[static_cast<std::size_t>(first * n2_ + last)],
+                  [&](int at) { return slot(i_, at); });
+  }
+  const Terms& sum_along_column(int first, int last, int j) {
+    if (first == 0 || group(first - 1, j) != group(first, j))
+      return one(along_column_[static_cast<std::size_t>(slot(last, j))]);
+    return summed(first, last, along_column_sums_[static_cast<std::size_t>(first * n2_ + j)],
+                  [&](int at) { return slot(at, j); });
+  }
+  const Terms& one(int slot_of_sum) {
+    factor_.assign(1, slot_of_sum);
+    return factor_;
+  }
+  /// Long sums are needed for several offsets: once a row is enough.
+  template <class Slot>
+  const Terms& summed(int first, int last, Stamped& known, Slot slot_at) {
+    factor_.clear();
+    for (int at = first; at <= last; ++at) factor_.push_back(slot_at(at));
+    if (factor_.size() < kWorthKeeping) return factor_;
+    if (known.stamp != row_stamp_) {
+      known = {row_stamp_, temporary()};
+      sum_.push_back(known.slot);
+      sum_.push_back(static_cast<int>(factor_.size()));
+      sum_.insert(sum_.end(), factor_.begin(), factor_.end());
+      ++n_sum_;
+    }
+    return one(known.slot);
   }
 
   void emit_products() {
-    code_.push_back(static_cast<int>(multiply_.size()));
-    for (const auto& [cell, products] : multiply_) {
-      code_.push_back(cell);
-      code_.push_back(static_cast<int>(products.size()));
-      for (const Product& p : products) {
-        code_.push_back(p.unit);
-        code_.push_back(static_cast<int>(p.sum.size()));
-        code_.insert(code_.end(), p.sum.begin(), p.sum.end());
-      }
+    const auto count = code_.size();
+    code_.push_back(0);
+    for (std::size_t at = 0; at < cells_.size(); ++at) {
+      const Cell& cell = cells_[at];
+      if (cell.products == 0) continue;
+      ++code_[count];
+      code_.push_back(i_ * n2_ + static_cast<int>(at));
+      code_.push_back(cell.products);
+      code_.insert(code_.end(), cell.code.begin(), cell.code.end());
     }
   }
 
@@ -347,11 +395,16 @@ class BirthCompiler {
   int far_top_ = kNone;  ///< last row in the far column sums
   bool far_here_ = false;
   int i_ = 0;
-  std::map<int, Terms> accumulate_, scale_;  ///< by source
-  Terms combine_, self_;
-  std::vector<Terms> run_on_, add_up_;  ///< chains
+  bool emit_ = false;
+  BySource accumulate_, scale_;
+  Terms combine_, sum_, self_;
+  int n_sum_ = 0;
+  std::vector<Cell> cells_;  ///< of the rows i .. i + offsets - 1
+  int row_stamp_ = 0;
+  std::vector<Stamped> along_row_sums_, along_column_sums_;  ///< by first and last; by first and column
+  Terms terms_, factor_;                                     ///< working space
+  std::vector<Terms> run_on_, add_up_;                       ///< chains
   int n_combine_ = 0;
-  std::map<int, std::vector<Product>> multiply_;  ///< by destination
   Terms column_slot_, row_slot_, row_far_top_, block_top_, block_slot_;
   long products_ = 0;
   std::vector<int> code_;

@@ -22,11 +22,12 @@ namespace granary::pbm {
 /// taken one at a time. About 2 T^2 N^2 products for N x N classes and T offsets, nearly independent of K, against N^4
 /// / 2 pairs. A separable kernel is K = 1 with its factors in Q.
 ///
-/// Slots: 0 .. n-1 hold Q by class; the rest is scratch of slots() in all. The code: number of rows; first slot and count of those
-/// that start at 0; chains of running sums over Q; then for each row of the grid
+/// Slots: 0 .. n-1 hold Q by class; the rest is scratch of slots() in all. The code: number of rows; first slot and
+/// count of those that start at 0; chains of running sums over Q; then for each row of the grid
 ///   accumulate  from s: slot[d] += C[c] slot[s] for several d       (n, then s, count, (d, c) ...)
 ///   scale       from s: slot[d]  = C[c] slot[s] for several d       (the same)
 ///   combine     slot[d] = sum_n C[c_n] slot[s_n]                    (n, then d, count, (c, s) ...)
+///   sum         slot[d] = sum_n slot[s_n]                           (n, then d, count, s ...)
 ///   run_on      sum += C[c] slot[s]; slot[d] = sum, from 0 on       (n, then count, (c, s, d) ...)
 ///   add_up      sum = slot[a]; sum += slot[s]; slot[d] = sum        (n, then a, count, (s, d) ...)
 ///   multiply    E[e] += sum_n slot[u_n] (x) (sum slot[s])           (n, then e, count, (u, count, s ...) ...)
