@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNegligible = 0.05;  // of the tolerance: share that may pass through stiff classes of an explicit step
-constexpr double kNegative = 0.1;     // of the tolerance: share of what is held that may be below 0
+constexpr double kNegative = 0.1;     // of the tolerance: share of what is held that may be below 0 in a stage
 constexpr double kLongestGrowth = 3.0;
 constexpr int kMostAttempts = 200;
 constexpr std::array<const char*, 4> kQuantityNames{"number", "solid volume", "liquid", "gas"};
@@ -39,6 +39,7 @@ Integrator::Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& c
       n_compartments_(static_cast<std::size_t>(c.compartments.count)),
       threads_(std::min(threads, static_cast<int>(row.blocks()))),
       tolerance_(c.relative_tolerance),
+      born_negative_(row.tables().aggregation && row.tables().aggregation->form == AggregationTables::Form::low_rank),
       brought_(brought_between_outputs(c, row.grid())),
       control_(last_error),
       explicit_(explicit_method()),
@@ -91,6 +92,7 @@ double Integrator::limit_first_stage(std::span<const double> state, Inputs input
   h = smallest(small_.limit_by_emptying(first_rates_, h));
   h = smallest(small_.limit_by_filling(first_rates_, h));
   const bool any = small_.slow_down(first_rates_, h);
+  if (method_->implicit()) stiff_.slow_down(small_.participation());
   if (smallest(any ? 0.0 : 1.0) == 0.0) {
     evaluate(state, small_.participation(), inputs, e_[0]);
   } else {
@@ -133,7 +135,8 @@ void Integrator::run_stages(std::span<const double> state, Inputs inputs, double
   const LaneVector during(small_.participation().begin(), small_.participation().end());
   for (std::size_t i = 1; i <= method_->evaluations; ++i) {
     take_stage(state, i, h);
-    small_.check(stage_, h, negative_);
+    const bool tolerant = born_negative_ || (method_->implicit() && i < method_->evaluations);
+    small_.check(stage_, h, tolerant, negative_);
     if (i < method_->evaluations) evaluate(stage_, during, inputs, e_[i]);
   }
   estimate_error(h);
@@ -189,6 +192,7 @@ Result<Integrator::Step> Integrator::step(std::span<double> state, double time, 
   bool repeat = false;  // the same step again, with classes slowed down further
   for (int attempt = 0; attempt < kMostAttempts && h >= shortest; ++attempt) {
     if (repeat) {
+      if (method_->implicit()) stiff_.slow_down(small_.participation());
       evaluate(state, small_.participation(), inputs, e_[0]);
     } else {
       h = limit_first_stage(state, inputs, h);
@@ -203,7 +207,9 @@ Result<Integrator::Step> Integrator::step(std::span<double> state, double time, 
       return Step{h, next_step(h, longest, h == asked && h < longest, last.error)};
     }
     ++work_.rejected;
-    if (!repeat) h *= last.verdict == Verdict::fine ? StepControl::rejected(last.error) : 0.5;
+    if (repeat) continue;
+    h *= last.verdict == Verdict::fine ? StepControl::rejected(last.error) : 0.5;
+    if (method_->implicit()) begin(state, inputs, h);
   }
   return too_hard(time, h, last);
 }

@@ -32,9 +32,9 @@ struct WorkCount {
 /// these two (stiff_part.hpp) implicitly. The choice follows from state and step alone.
 ///
 /// Nothing is ever clipped. Small classes that are faster than the step in what is explicit are slowed down
-/// (small_classes.hpp); a step that would still empty a class is repeated shorter. Values below 0 may be born of
-/// kernels known only to their tolerance, and of implicit decay; in a stage they may come to a tenth of the tolerance
-/// of what their compartment holds, or the step is repeated shorter.
+/// (small_classes.hpp); a step that would still empty a class is repeated shorter. In a stage, implicit decay may lead
+/// below 0 by a tenth of the tolerance of what a compartment holds, never at the end of a step. Kernels in low-rank
+/// form are known only to a tolerance and bear values below 0: these may come to that tenth in either.
 ///
 /// Error norm: the largest, over compartments and over {number, solid volume, liquid, gas}, of the sum of absolute
 /// errors over the sum held there, relative to the tolerance. To what is held come 1e-3 of the row's mean and of what
@@ -80,7 +80,8 @@ class Integrator {
   std::size_t n_compartments_;
   int threads_;
   double tolerance_;
-  Held brought_{};  ///< by feed and spray between two outputs
+  bool born_negative_;  ///< births may be below 0: the kernel is known only to its tolerance
+  Held brought_{};      ///< by feed and spray between two outputs
   StepControl control_;
   WorkCount work_;
   AdditiveMethod explicit_, implicit_explicit_;

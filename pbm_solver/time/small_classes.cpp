@@ -14,7 +14,11 @@ constexpr int kOctaves = 64;     // below a compartment's solids: classes that h
 }  // namespace
 
 SmallClasses::SmallClasses(const CompartmentRow& row, double tolerance)
-    : row_(&row), tolerance_(tolerance), sizes_(row.class_values()), loss_(row.class_values()) {}
+    : row_(&row),
+      tolerance_(tolerance),
+      sizes_(row.class_values()),
+      all_loss_(row.class_values()),
+      loss_(row.class_values()) {}
 
 void SmallClasses::begin_step(std::span<const double> state, std::span<const Held> held) {
   state_ = state, held_ = held;
@@ -28,6 +32,7 @@ void SmallClasses::set_losses(std::span<const double> implicit_rate) {
   for (std::size_t b = 0; b < row_->blocks(); ++b) {
     const double* all = row_->loss_rate(b).data();
     double* loss = &loss_[b * each];
+    std::copy_n(all, each, &all_loss_[b * each]);
     if (implicit_rate.empty()) {
       std::copy_n(all, each, loss);
     } else {
@@ -144,12 +149,13 @@ bool SmallClasses::slow_down(std::span<const double> rates, double h) {
   return any;
 }
 
-void SmallClasses::check(std::span<const double> stage, double h, std::span<Negative> accounts) {
+void SmallClasses::check(std::span<const double> stage, double h, bool tolerant, std::span<Negative> accounts) {
   for (std::size_t b = 0; b < row_->blocks(); ++b)
-    if (any_negative(*row_, stage, b)) check_block(b, stage, h, accounts);
+    if (any_negative(*row_, stage, b)) check_block(b, stage, h, tolerant, accounts);
 }
 
-void SmallClasses::check_block(std::size_t b, std::span<const double> stage, double h, std::span<Negative> accounts) {
+void SmallClasses::check_block(std::size_t b, std::span<const double> stage, double h, bool tolerant,
+                               std::span<Negative> accounts) {
   mark_sizes();
   const std::size_t n = row_->classes();
   const std::span<const double> solid = row_->grid().solid();
@@ -160,7 +166,7 @@ void SmallClasses::check_block(std::size_t b, std::span<const double> stage, dou
         if (!(value < 0.0)) continue;
         const std::size_t at = row_->by_class(x, k);
         const double part = participation_.empty() ? 1.0 : participation_[at];
-        if (!is_fast(h, part * loss_[at])) {
+        if (tolerant && !is_fast(h, part * loss_[at])) {
           accounts[x].amount[q == 0 ? 0 : q + 1] -= value;
           if (q == 0) accounts[x].amount[1] -= solid[k] * value;
         } else if (sizes_[at] == Size::large) {
@@ -168,7 +174,7 @@ void SmallClasses::check_block(std::size_t b, std::span<const double> stage, dou
         } else {
           accounts[x].slowed = true;
           if (participation_.empty()) participation_.assign(row_->class_values(), 1.0);
-          participation_[at] *= 0.5;
+          participation_[at] = std::min(0.5 * participation_[at], kMargin / (0.5 * h * all_loss_[at]));
         }
       }
 }

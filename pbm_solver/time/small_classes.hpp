@@ -35,12 +35,13 @@ class SmallClasses {
 
   /// What became of the negative values of a stage.
   struct Negative {
-    bool slowed = false;   ///< small fast classes: slowed down further, the step is to be repeated
-    bool shorten = false;  ///< large fast classes
-    Held amount{};         ///< of all others: born negative, or decaying implicitly
+    bool slowed = false;   ///< small classes: slowed down further, the step is to be repeated
+    bool shorten = false;  ///< large classes
+    Held amount{};         ///< what is tolerated: born negative, or decaying implicitly
   };
-  /// Adds what a stage of a step of h holds below 0 to each compartment's account.
-  void check(std::span<const double> stage, double h, std::span<Negative> accounts);
+  /// Adds what a stage of a step of h holds below 0 to each compartment's account. tolerant: what is not fast may be
+  /// below 0.
+  void check(std::span<const double> stage, double h, bool tolerant, std::span<Negative> accounts);
 
  private:
   /// Whether a loss rate matters in a step of h.
@@ -49,7 +50,7 @@ class SmallClasses {
   enum class Size : char { large, small, dust };
   void mark_sizes();
   void mark_sizes(std::size_t x);
-  void check_block(std::size_t b, std::span<const double> stage, double h, std::span<Negative> accounts);
+  void check_block(std::size_t b, std::span<const double> stage, double h, bool tolerant, std::span<Negative> accounts);
   bool emptied(std::span<const double> rates, std::size_t x, std::size_t k, double h) const;
   bool slowed_down(std::span<const double> rates, std::size_t x, std::size_t k, double h) const;
 
@@ -59,7 +60,7 @@ class SmallClasses {
   std::span<const Held> held_;
   bool marked_ = false;         ///< sizes_ are those of state_
   std::vector<Size> sizes_;     ///< [block][class][lane]
-  LaneVector loss_;             ///< [block][class][lane]
+  LaneVector all_loss_, loss_;  ///< loss rates, and those by what is taken explicitly; [block][class][lane]
   double fastest_ = 0.0;        ///< the largest of them
   LaneVector participation_;
 };

@@ -36,8 +36,7 @@ GRANARY_EVERY_WIDTH
 void add_magnitudes(const double* weight, const double* values, std::size_t n, double* sums) {
   std::size_t k = 0;
   for (; k + kWidth <= n; k += kWidth)
-    for (std::size_t l = 0; l < kWidth; ++l)
-      sums[l] += (weight != nullptr ? weight[k + l] : 1.0) * fabs(values[k + l]);
+    for (std::size_t l = 0; l < kWidth; ++l) sums[l] += (weight != nullptr ? weight[k + l] : 1.0) * fabs(values[k + l]);
   for (; k < n; ++k) sums[k % kWidth] += (weight != nullptr ? weight[k] : 1.0) * fabs(values[k]);
 }
 

@@ -14,8 +14,10 @@ StiffPart::StiffPart(const CompartmentRow& row, int threads)
       do_(&simd::operations(static_cast<int>(row.lanes()))),
       threads_(std::min(threads, static_cast<int>(row.blocks()))),
       rate_(row.class_values()),
-      leaving_(row.class_values()),
+      leaving_rate_(row.class_values()),
       selection_(row.class_values()),
+      leaving_(row.class_values()),
+      damped_(row.class_values()),
       scratch_(2 * row.class_values()) {
   const ClassGrid& grid = row.grid();
   if (row.tables().aggregation)
@@ -29,7 +31,7 @@ StiffPart::StiffPart(const CompartmentRow& row, int threads)
 void StiffPart::freeze() {
   const std::size_t lanes = row_->lanes(), each = row_->classes() * lanes;
   for (std::size_t b = 0; b < row_->blocks(); ++b) {
-    double *rate = &rate_[b * each], *leaving = &leaving_[b * each];
+    double *rate = &rate_[b * each], *leaving = &leaving_rate_[b * each];
     const std::span<const double> selection = row_->block(b).selection_rate(), loss = row_->loss_rate(b);
     std::copy(selection.begin(), selection.end(), rate);
     for (const std::size_t k : top_)
@@ -37,6 +39,20 @@ void StiffPart::freeze() {
         leaving[at] = std::max(0.0, loss[at] - rate[at]);
         rate[at] += leaving[at];
       }
+  }
+  slow_down({});
+}
+
+void StiffPart::slow_down(std::span<const double> participation) {
+  const std::size_t each = row_->classes() * row_->lanes();
+  for (std::size_t b = 0; b < row_->blocks(); ++b) {
+    const std::span<const double> selection = row_->block(b).selection_rate();
+    std::copy(selection.begin(), selection.end(), selection_.begin() + static_cast<std::ptrdiff_t>(b * each));
+  }
+  leaving_ = leaving_rate_;
+  for (std::size_t at = 0; at < participation.size(); ++at) {
+    selection_[at] *= participation[at];
+    leaving_[at] *= participation[at];
   }
 }
 
@@ -91,7 +107,7 @@ void StiffPart::add(double factor, std::span<const double> y, std::span<double> 
     leave(b, factor, from, to, to + 3 * each);
     if (!breakage || !row_->tables().fragments) continue;
     for (std::size_t q = 0; q < 3; ++q)
-      do_->add_breakage(row_->tables().view, row_->tables().fragments->view(), row_->block(b).selection_rate().data(),
+      do_->add_breakage(row_->tables().view, row_->tables().fragments->view(), &selection_[b * each],
                         q == 0 ? nullptr : row_->grid().solid().data(), factor, from + q * each,
                         &scratch_[2 * b * each], to + q * each);
   }
@@ -108,13 +124,12 @@ void StiffPart::solve(double gamma, std::span<double> y) const {
     double* state = &y[b * row_->stride()];
     const double* leaving = &leaving_[b * each];
     if (row_->tables().fragments) {
-      double* selection = &selection_[b * each];
-      const std::span<const double> full = row_->block(b).selection_rate();
-      std::copy(full.begin(), full.end(), selection);
+      double* damped = &damped_[b * each];
+      std::copy_n(&selection_[b * each], each, damped);
       for (const std::size_t k : top_)
-        for (std::size_t at = k * lanes; at < (k + 1) * lanes; ++at) selection[at] /= 1.0 + gamma * leaving[at];
+        for (std::size_t at = k * lanes; at < (k + 1) * lanes; ++at) damped[at] /= 1.0 + gamma * leaving[at];
       for (std::size_t q = 0; q < 3; ++q)
-        do_->solve_breakage(row_->tables().view, row_->tables().fragments->view(), selection,
+        do_->solve_breakage(row_->tables().view, row_->tables().fragments->view(), damped,
                             q == 0 ? nullptr : row_->grid().solid().data(), gamma, &scratch_[2 * b * each],
                             state + q * each);
     }

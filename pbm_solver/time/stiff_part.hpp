@@ -27,6 +27,8 @@ class StiffPart {
               double share) const;
   /// Rate at which a class loses by B [1/s], [block][class][lane].
   std::span<const double> rate() const { return rate_; }
+  /// From now on classes take part by these factors [block][class][lane]; empty: 1.
+  void slow_down(std::span<const double> participation);
   /// out += factor B y; breakage = false: -R y alone.
   void add(double factor, std::span<const double> y, std::span<double> out, bool breakage = true) const;
   /// Solves y - gamma B y = r in place.
@@ -40,8 +42,10 @@ class StiffPart {
   int threads_;
   bool exists_;
   std::vector<std::size_t> top_;  ///< classes whose every pair lies above the grid
-  LaneVector rate_, leaving_;     ///< of A and R together, of R; [block][class][lane]
-  mutable LaneVector selection_, scratch_;  ///< [block][class][lane], [block][2][class][lane]
+  // [block][class][lane]:
+  LaneVector rate_, leaving_rate_;       ///< of A and R together, of R
+  LaneVector selection_, leaving_;       ///< S and R times the participation
+  mutable LaneVector damped_, scratch_;  ///< S / D (see solve()); [block][2][class][lane]
 };
 
 }  // namespace granary::pbm
