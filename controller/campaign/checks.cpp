@@ -63,7 +63,7 @@ void check_mode(const Campaign& campaign, Checker& checker) {
   }
   if (balance.aggregation && balance.aggregation->kernel == Kernel::dem)
     checker.add("/pbm/aggregation/kernel", "it takes its rates from a DEM, and in the mode \"pbm-only\" there is none.",
-                "Use shear, constant, sum or product.");
+                "Use table, shear, constant, sum or product.");
   if (balance.aggregation && balance.aggregation->efficiency.model == pbm::Efficiency::Model::stokes)
     checker.add("/pbm/aggregation/efficiency/model",
                 "stokes (the default) needs the collision speeds of a DEM, and in the mode \"pbm-only\" there is none.",

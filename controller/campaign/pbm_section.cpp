@@ -1,5 +1,9 @@
 // pbm: the grid, the mechanisms that are modelled, and how the balance is integrated. A mechanism left out is not
 // modelled.
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "common/json/reader.hpp"
 #include "controller/campaign/sections.hpp"
 
@@ -32,16 +36,50 @@ double read_rate(json::Reader& reader, bool from_dem, const std::string& si_unit
                   : reader.quantity("rate", si_unit, Range::not_negative());
 }
 
+/// One row of rates for each diameter; the rows must make a symmetric table over rising diameters.
+pbm::KernelTable read_table(json::Reader& reader) {
+  pbm::KernelTable table;
+  for (json::Reader& row : reader.items("table")) {
+    table.diameter.push_back(row.quantity("diameter", "m", Range::positive()));
+    table.rate.push_back(row.quantities("rates", "m^3/s", Range::not_negative()));
+    row.done();
+  }
+  const std::size_t n = table.diameter.size();
+  for (std::size_t p = 0; p < n; ++p) {
+    if (table.rate[p].size() != n) {
+      reader.problem("table", fmt::format("row {} has {} rates; it must have {}, one for each diameter.", p + 1,
+                                          table.rate[p].size(), n));
+      return {};
+    }
+    if (p > 0 && !(table.diameter[p] > table.diameter[p - 1])) {
+      reader.problem("table", fmt::format("the diameters must rise, but that of row {} does not.", p + 1));
+      return {};
+    }
+    for (std::size_t q = 0; q < p; ++q)
+      if (table.rate[p][q] != table.rate[q][p]) {
+        reader.problem(
+            "table",
+            fmt::format("it must be symmetric, but rate {1} of row {0} and rate {0} of row {1} differ.", p + 1, q + 1));
+        return {};
+      }
+  }
+  return table;
+}
+
 pbm::Aggregation read_aggregation(json::Reader reader, json::Problems& problems) {
   using Kernel = pbm::Aggregation::Kernel;
   pbm::Aggregation aggregation;
-  const std::string kernel = reader.choice_or("kernel", "dem", {"dem", "shear", "constant", "sum", "product"});
-  aggregation.kernel = kernel == "dem"        ? Kernel::dem
-                       : kernel == "shear"    ? Kernel::shear
-                       : kernel == "constant" ? Kernel::constant
-                       : kernel == "sum"      ? Kernel::sum
-                                              : Kernel::product;
-  aggregation.rate = read_rate(reader, kernel == "dem", kernel == "shear" ? "1/s" : "m^3/s");
+  const std::vector<std::string> kernels{"constant", "sum", "product",
+                                         "shear",    "dem", "table"};  // as in pbm::Aggregation
+  const std::string kernel = reader.choice_or("kernel", "dem", kernels);
+  aggregation.kernel = static_cast<Kernel>(std::find(kernels.begin(), kernels.end(), kernel) - kernels.begin());
+  aggregation.rate = read_rate(reader, kernel == "dem" || kernel == "table", kernel == "shear" ? "1/s" : "m^3/s");
+  aggregation.lookup = reader.choice_or("lookup", "size", {"size", "group"}) == "size"
+                           ? pbm::Aggregation::Lookup::size
+                           : pbm::Aggregation::Lookup::group;
+  aggregation.table = read_table(reader);
+  if (kernel == "table" && aggregation.table.diameter.empty())
+    reader.problem("table", "the kernel \"table\" needs it.", "Give a row with diameter and rates for each size.");
   read_efficiency(section_or_empty(reader, "efficiency", problems), aggregation.efficiency);
   reader.done();
   return aggregation;
@@ -51,10 +89,12 @@ pbm::Breakage read_breakage(json::Reader reader) {
   using Selection = pbm::Breakage::Selection;
   using Daughters = pbm::Breakage::Daughters;
   pbm::Breakage breakage;
-  const std::string selection = reader.choice_or("selection", "impact", {"impact", "constant", "linear"});
+  const std::string selection = reader.choice_or("selection", "impact", {"impact", "constant", "linear", "power"});
   breakage.selection = selection == "impact"     ? Selection::impact
                        : selection == "constant" ? Selection::constant
-                                                 : Selection::linear;
+                       : selection == "linear"   ? Selection::linear
+                                                 : Selection::power;
+  breakage.exponent = reader.number_or("exponent", breakage.exponent, Range::between(0.0, 10.0));
   const std::string daughters =
       reader.choice_or("daughters", "uniform_binary", {"uniform_binary", "halves", "same_composition"});
   breakage.daughters = daughters == "uniform_binary" ? Daughters::uniform_binary
@@ -84,6 +124,7 @@ void read_pbm(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   pbm::PbmCase& base = campaign.pbm_case;
   read_grid(reader, base.grid, problems);
   base.relative_tolerance = reader.number_or("tolerance", base.relative_tolerance, {0.0, 0.1, false, true});
+  base.kernel_tolerance = reader.number_or("kernel_tolerance", base.kernel_tolerance, Range::between(0.0, 0.1));
   base.output_every = reader.quantity_or("output_every", base.output_every, "s", Range::positive());
   base.reference_volume = reader.quantity_or("reference_volume", base.reference_volume, "m^3", Range::positive());
   if (auto section = reader.optional_section("aggregation")) base.aggregation = read_aggregation(*section, problems);
