@@ -51,20 +51,22 @@ void CompartmentBlock::look_up_selection() {
     }
 }
 
-void CompartmentBlock::begin_step(const double* state, bool afresh) {
-  if (by_particles_) follow_particles(state, afresh);
+void CompartmentBlock::begin_step(const double* state) {
   if (!wet_) return;
   particles_.look_at(state, state + n_ * lanes_, state + 2 * n_ * lanes_);
   aggregation_->set_wet(particles_.wet(tables_->pbm_case.aggregation->efficiency.least_liquid_fraction));
 }
 
-void CompartmentBlock::follow_particles(const double* state, bool afresh) {
-  const double *liquid = state + n_ * lanes_, *gas = liquid + n_ * lanes_;
+bool CompartmentBlock::moved(const double* state) const {
+  if (!by_particles_) return false;
   const bool cheap = aggregation_ && aggregation_->looks_at_particles() && aggregation_->follows_particles();
-  if (!cheap && !afresh &&
-      !particles_.moved(state, liquid, gas, tables_->pbm_case.kernel_tolerance, asperity_, tables_->lanes))
-    return;
-  particles_.look_at(state, liquid, gas);
+  return cheap || particles_.moved(state, state + n_ * lanes_, state + 2 * n_ * lanes_,
+                                   tables_->pbm_case.kernel_tolerance, asperity_, tables_->lanes);
+}
+
+void CompartmentBlock::look_at_particles(const double* state) {
+  if (!by_particles_) return;
+  particles_.look_at(state, state + n_ * lanes_, state + 2 * n_ * lanes_);
   particles_.remember();
   if (aggregation_ && aggregation_->looks_at_particles()) aggregation_->refresh(particles_);
   look_up_selection();
@@ -75,7 +77,6 @@ void CompartmentBlock::rates(const double* state, const double* participation, c
   const simd::FlushDenormals flush;
   std::fill_n(rates, stride(), 0.0);
   std::fill(loss_rate_.begin(), loss_rate_.end(), 0.0);
-  if (by_particles_) follow_particles(state, false);
   if (aggregation_) add_aggregation(state, participation, rates);
   if (breakage && !selection_.empty()) {
     for (std::size_t q = 0; q < 3; ++q) {

@@ -21,9 +21,14 @@ class CompartmentBlock {
 
   std::size_t stride() const { return (3 * n_ + ledger::kSize) * lanes_; }
 
-  /// Before a step from `state`: what is held fixed during a step is looked up anew. afresh: whatever is re-used for
-  /// longer (kernel_tolerance) too, so that a restart from here finds the same.
-  void begin_step(const double* state, bool afresh);
+  /// Before a step from `state`: what is held fixed during a step (which classes are wet) is looked up anew.
+  void begin_step(const double* state);
+  /// Whether kernels or selection rates depend on liquid and gas.
+  bool looks_at_particles() const { return by_particles_; }
+  /// Whether they look at particles that have moved by more than kernel_tolerance since they were
+  /// last looked at.
+  bool moved(const double* state) const;
+  void look_at_particles(const double* state);
 
   /// d(state)/dt, overwritten.
   /// @param participation  factor 0..1 on what each class takes part with in aggregation and breakage [class][lanes],
@@ -32,7 +37,7 @@ class CompartmentBlock {
   /// @param breakage       false: without it
   void rates(const double* state, const double* participation, const double* carry, Inputs inputs, bool breakage,
              double* rates);
-  /// out += factor A state, A: the linear map of breakage at the last begin_step() or rates().
+  /// out += factor A state, A: the linear map of breakage at the last look_at_particles().
   void add_breakage(double factor, const double* state, double* out);
   /// Solves y - gamma A y = r in place.
   void solve_breakage(double gamma, double* state);
@@ -45,7 +50,6 @@ class CompartmentBlock {
 
  private:
   void look_up_selection();
-  void follow_particles(const double* state, bool afresh);
   void add_aggregation(const double* state, const double* participation, double* rates);
   void consolidate(const double* state, double* rates) const;
   void add_feed(double* rates) const;

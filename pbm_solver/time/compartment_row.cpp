@@ -38,7 +38,23 @@ void CompartmentRow::for_each_block(Do&& each) {
 }
 
 void CompartmentRow::begin_step(std::span<const double> state, bool afresh) {
-  for_each_block([&](std::size_t b) { blocks_[b].begin_step(&state[b * stride()], afresh); });
+  follow_particles(state, afresh);
+  for_each_block([&](std::size_t b) { blocks_[b].begin_step(&state[b * stride()]); });
+}
+
+/// All compartments look at their particles when those of one have moved: how they are shared among blocks and ranks
+/// must not show.
+void CompartmentRow::follow_particles(std::span<const double> state, bool afresh) {
+  if (!blocks_.front().looks_at_particles()) return;
+  if (!afresh) {
+    std::vector<double> mine(compartments_, 0.0);
+    std::vector<double> all(static_cast<std::size_t>(tables_->pbm_case.compartments.count), 0.0);
+    for (std::size_t b = 0; b < blocks(); ++b)
+      if (blocks_[b].moved(&state[b * stride()])) mine[b * lanes_] = 1.0;
+    exchange_->gather(mine, all);
+    if (std::find(all.begin(), all.end(), 1.0) == all.end()) return;
+  }
+  for_each_block([&](std::size_t b) { blocks_[b].look_at_particles(&state[b * stride()]); });
 }
 
 /// The last compartment of the block before flows into the first lane.
@@ -52,6 +68,7 @@ void CompartmentRow::read_carry(std::span<const double> state, std::size_t b) {
 
 void CompartmentRow::rates(std::span<const double> state, std::span<const double> participation, Inputs inputs,
                            std::span<double> rates, bool breakage) {
+  follow_particles(state, false);
   const bool flow = !last_.empty();
   if (flow) {
     unpack(state, compartments_ - 1, last_);

@@ -37,7 +37,8 @@ class CompartmentRow {
   void unpack(std::span<const double> state, std::size_t x, std::span<double> compartment) const;
   void pack(std::span<const double> compartment, std::size_t x, std::span<double> state) const;
 
-  /// See CompartmentBlock::begin_step.
+  /// Before a step from `state`. afresh: what looks at particles is worked out even if none has moved, so that a
+  /// restart from here finds the same. Collective.
   void begin_step(std::span<const double> state, bool afresh);
   /// d(state)/dt. Collective over the ranks: one message downstream. The same bits for any number of threads and ranks.
   /// @param participation  empty, or factors [class_values()]
@@ -54,6 +55,7 @@ class CompartmentRow {
  private:
   template <class Do>
   void for_each_block(Do&& each);
+  void follow_particles(std::span<const double> state, bool afresh);
   void read_carry(std::span<const double> state, std::size_t b);
 
   const ModelTables* tables_;

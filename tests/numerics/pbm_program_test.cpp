@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -147,17 +148,20 @@ TEST_F(PbmProgram, GoesOnFromAnyOutputTimeWithTheSameBits) {
   }
 }
 
-TEST_F(PbmProgram, StopsOnASignalAndGoesOnFromItsCheckpointWithTheSameBits) {
-  PbmCase whole = testing::a_granulator(12, 3);
-  whole.end_time = 12.0;
-  whole.aggregation->rate = 3.0;
-  ASSERT_EQ(run(write_case("whole.json", whole), out("whole")).exit, 0);
-
-  for (const int signal : {SIGTERM, SIGUSR1}) {
+class PbmCheckpoint : public PbmProgram {
+ protected:
+  static PbmCase a_long_case() {
+    PbmCase c = testing::a_granulator(12, 3);
+    c.end_time = 12.0;
+    c.aggregation->rate = 3.0;
+    return c;
+  }
+  /// Runs `whole` until a signal ends it, and the rest of it from the checkpoint.
+  void stop_and_go_on(const PbmCase& whole, int signal) {
     const fs::path stopped = out("stopped"), progress = stopped.parent_path() / "progress.jsonl";
     fs::remove(progress);
     const pid_t child =
-        start({kProgram, "run", (folder_ / "whole.json").string(), "--out", stopped.string(), "--json"});
+        start({kProgram, "run", write_case("stopped.json", whole).string(), "--out", stopped.string(), "--json"});
     const auto lines = [&] {
       const std::string text = text_of(progress);
       return std::count(text.begin(), text.end(), '\n');
@@ -173,7 +177,41 @@ TEST_F(PbmProgram, StopsOnASignalAndGoesOnFromItsCheckpointWithTheSameBits) {
     PbmCase rest = whole;
     rest.restart = Restart{stopped.parent_path() / "checkpoint.h5", {}};
     ASSERT_EQ(run(write_case("rest.json", rest), out("rest"), 2).exit, 0);
+  }
+};
+
+TEST_F(PbmCheckpoint, GoesOnWithTheSameBitsWhereNoKernelIsReused) {
+  PbmCase whole = a_long_case();
+  whole.kernel_tolerance = 0.0;
+  ASSERT_EQ(run(write_case("whole.json", whole), out("whole")).exit, 0);
+
+  for (const int signal : {SIGTERM, SIGUSR1}) {
+    stop_and_go_on(whole, signal);
     expect_same_states(out("whole"), out("rest"), 2);
+  }
+}
+
+// Between outputs a run has kernels of an earlier state, a restart those of the checkpoint: as near to each other as
+// kernel_tolerance says.
+TEST_F(PbmCheckpoint, GoesOnWithinTheToleranceWhereKernelsAreReused) {
+  const PbmCase whole = a_long_case();
+  ASSERT_EQ(run(write_case("whole.json", whole), out("whole")).exit, 0);
+
+  stop_and_go_on(whole, SIGTERM);
+
+  const auto a = Hdf5File::open(out("whole")), b = Hdf5File::open(out("rest"));
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->read("/state/time")->values.back(), b->read("/state/time")->values.back());
+  for (const char* name : {"/state/number", "/state/liquid", "/state/gas"}) {
+    const auto x = a->read(name), y = b->read(name);
+    ASSERT_TRUE(x && y);
+    const std::size_t n = x->values.size() / x->shape[0];
+    double off = 0.0, sum = 0.0;
+    for (std::size_t k = 1; k <= n; ++k) {
+      off += std::abs(x->values[x->values.size() - k] - y->values[y->values.size() - k]);
+      sum += x->values[x->values.size() - k];
+    }
+    EXPECT_LT(off, 2.0 * whole.kernel_tolerance * sum) << name;
   }
 }
 

@@ -54,7 +54,8 @@ Rates rates_of(const ModelTables& tables, Fields state, Inputs inputs = {}, int 
     part.assign(n * lanes, 1.0);
     for (std::size_t k = 0; k < n; ++k) part[k * lanes + lane] = participation[k];
   }
-  block.begin_step(packed.data(), true);
+  block.look_at_particles(packed.data());
+  block.begin_step(packed.data());
   block.rates(packed.data(), part.empty() ? nullptr : part.data(), nullptr, inputs, true, rates.data());
   Rates r;
   const auto take = [&](std::size_t from, std::size_t count_of) {
