@@ -7,6 +7,7 @@
 #include "dem_templates/plugin/fix_outlet.hpp"
 #include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_tally.hpp"
+#include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace {
 
@@ -34,6 +35,7 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/outlet"] = create<FixOutlet>;
   styles["granary/resize"] = create<FixResize>;
   styles["granary/tally"] = create<FixTally>;
+  styles["granary/wall"] = create<FixWall>;
 }
 
 }  // namespace granary::dem

@@ -1,0 +1,110 @@
+// The force of a wall on a sphere that touches it: the law of `wall/gran model hertz tangential history
+// [rolling_friction cdt|epsd2] [cohesion sjkr]` of LIGGGHTS 3.8.0. Plain numbers: no LIGGGHTS.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "dem_templates/plugin/wall/vectors.hpp"
+
+namespace granary::dem {
+
+enum class RollingModel { none, cdt, epsd2 };
+
+/// Of one particle type against the wall's type, as LIGGGHTS' property registry has them.
+struct WallMaterial {
+  double young = 0.0;             ///< effective Young's modulus [Pa]
+  double shear = 0.0;             ///< effective shear modulus [Pa]
+  double damping = 0.0;           ///< ln e / sqrt(ln^2 e + pi^2), not positive [-]
+  double friction = 0.0;          ///< Coulomb [-]
+  double rolling_friction = 0.0;  ///< [-]
+  double cohesion = 0.0;          ///< cohesion energy density [J/m^3]
+};
+
+struct WallApproach {
+  double radius = 0.0, mass = 0.0;
+  double overlap = 0.0;  ///< > 0 [m]
+  Vector3 normal{};      ///< from the wall to the centre
+  Vector3 velocity{};    ///< of the centre, less that of the wall where it is touched [m/s]
+  Vector3 spin{};        ///< of the particle [rad/s]
+  Vector3 wall_spin{};   ///< of the wall [rad/s]
+};
+
+/// What a touch remembers from step to step.
+struct TouchHistory {
+  Vector3 shear{};           ///< tangential displacement [m]
+  Vector3 rolling_torque{};  ///< of the spring of epsd2 [N m]
+};
+
+struct WallForce {
+  Vector3 force{}, torque{};  ///< on the particle, about its centre [N], [N m]
+  double normal_force = 0.0;  ///< spring and dashpot [N]
+};
+
+/// Hertz spring and dashpot, Mindlin's tangential spring with history (rotated into the present tangential plane),
+/// limited by Coulomb, rolling resistance, cohesion:
+///
+///   F_n = 4/3 E* sqrt(R d) d - 2 sqrt(5/6) beta sqrt(S_n m) v_n,   S_n = 2 E* sqrt(R d)
+///   F_t = min(S_t s - 2 sqrt(5/6) beta sqrt(S_t m) v_t, mu |F_n|), S_t = 8 G* sqrt(R d)       (the dashpot only when
+///   sticking) cdt: M = mu_r k_n d R;  epsd2: spring S_t R^2, limited to mu_r |F_n| R;  sjkr: -k_c pi (R^2 - (R - d)^2)
+///
+/// One thing differs from wall/gran: rolling resistance goes by the spin relative to the wall's (as between two
+/// particles), where wall/gran takes the particle's own. frozen: the history is used, not advanced (setup).
+/// Source: LIGGGHTS manual, pages gran_model_hertz, gran_tangential_history, gran_rolling_friction_*,
+/// gran_cohesion_sjkr; held against LIGGGHTS itself in plugin_wall_test.cpp.
+inline WallForce wall_force(const WallMaterial& material, RollingModel rolling, const WallApproach& a, double time_step,
+                            bool frozen, TouchHistory& history) {
+  const double kSqrtFiveSixths = 0.91287092917527685576;
+  const double distance = a.radius - a.overlap;
+  const double root = std::sqrt(a.radius * a.overlap);
+  const double normal_stiffness = 2.0 * material.young * root, shear_stiffness = 8.0 * material.shear * root;
+  const double spring = 4.0 / 3.0 * material.young * root;
+  const double damp = -2.0 * kSqrtFiveSixths * material.damping;
+
+  const double normal_speed = dot(a.velocity, a.normal);
+  const double normal_force = spring * a.overlap - damp * std::sqrt(normal_stiffness * a.mass) * normal_speed;
+
+  // Velocity of the particle's surface where it touches; the arm ends halfway into the overlap.
+  const double arm = a.radius - 0.5 * a.overlap;
+  const Vector3 slip = a.velocity - normal_speed * a.normal + arm * cross(a.normal, a.spin);
+
+  Vector3 shear = history.shear;
+  if (!frozen) {
+    shear = shear + time_step * slip;
+    shear = shear - dot(shear, a.normal) * a.normal;
+  }
+  const double elastic = shear_stiffness * norm(shear), limit = material.friction * std::abs(normal_force);
+  Vector3 tangential = -shear_stiffness * shear;
+  if (elastic > limit) {
+    tangential = (limit / elastic) * tangential;
+    shear = (limit / elastic) * shear;
+  } else {
+    tangential = tangential - damp * std::sqrt(shear_stiffness * a.mass) * slip;
+  }
+  if (!frozen) history.shear = shear;
+
+  WallForce result;
+  result.normal_force = normal_force;
+  const double cohesion = material.cohesion * M_PI * (a.radius * a.radius - distance * distance);
+  result.force = (normal_force - cohesion) * a.normal + tangential;
+  result.torque = -arm * cross(a.normal, tangential);
+  if (rolling == RollingModel::none) return result;
+
+  Vector3 turning = (arm / distance) * (a.spin - a.wall_spin);
+  if (rolling == RollingModel::cdt) {
+    const double speed = norm(turning);
+    if (speed == 0.0) return result;
+    const Vector3 resisting = (material.rolling_friction * spring * a.overlap * a.radius / speed) * turning;
+    result.torque = result.torque - (resisting - dot(resisting, a.normal) * a.normal);
+    return result;
+  }
+  turning = turning - dot(turning, a.normal) * a.normal;
+  Vector3 resisting = history.rolling_torque + (time_step * shear_stiffness * a.radius * a.radius) * turning;
+  const double most = std::abs(normal_force) * a.radius * material.rolling_friction, torque = norm(resisting);
+  if (torque > most) resisting = (most / torque) * resisting;
+  if (!frozen) history.rolling_torque = resisting;
+  result.torque = result.torque - resisting;
+  return result;
+}
+
+}  // namespace granary::dem

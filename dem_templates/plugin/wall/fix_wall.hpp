@@ -1,0 +1,95 @@
+// fix ID GROUP granary/wall: walls that push particles, each in a frame of its own that may turn. Where they are
+// touched is surface.hpp, how they push contact_law.hpp; here both meet LIGGGHTS. Syntax: docs/dem_styles.md.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fix.h>
+
+#include "dem_templates/plugin/input/fix_arguments.hpp"
+#include "dem_templates/plugin/wall/surface.hpp"
+#include "dem_templates/plugin/wall/touch_book.hpp"
+#include "dem_templates/plugin/walls.hpp"
+
+namespace granary::dem {
+
+class FixWall : public LAMMPS_NS::Fix {
+ public:
+  FixWall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg);
+  ~FixWall() override;
+
+  std::vector<std::string> body_names() const;
+  /// The named body for the tally and the guard; nullptr if there is none. Lives no longer than this fix.
+  std::unique_ptr<Wall> body(const std::string& name);
+
+  // What LIGGGHTS calls.
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void post_force(int) override;
+  /// Of body b, from 9 b on: force [N] and torque about its origin [N m] of the particles on it, power it gives them
+  /// [W]; impacts that began since this fix was defined, on all ranks, and the sum of their normal speeds [m/s].
+  double compute_vector(int n) override;
+  int min_type() override { return type_; }
+  int max_type() override { return type_; }
+  void grow_arrays(int n) override;
+  void copy_arrays(int from, int to, int) override;
+  void set_arrays(int particle) override;
+  int pack_exchange(int particle, double* buffer) override;
+  int unpack_exchange(int particle, double* buffer) override;
+  int pack_restart(int particle, double* buffer) override;
+  void unpack_restart(int particle, int nth) override;
+  int size_restart(int particle) override;
+  int maxsize_restart() override;
+  void write_restart(FILE* file) override;
+  void restart(char* state) override;
+
+ private:
+  static constexpr std::size_t kSums = 9;
+  struct Body {
+    std::string name;
+    std::unique_ptr<Surface> surface;
+    Rotation rotation;
+    // angle = start_angle + (step - start_step) angle_per_step: set anew only when rate or time step change, so that
+    // a run goes on over a restart with the very same angles.
+    double start_angle = 0.0, angle_per_step = 0.0;
+    long start_step = -1;
+    Turn turn;  ///< now
+    double sums[kSums] = {};
+
+    double angle(long step) const { return start_angle + static_cast<double>(step - start_step) * angle_per_step; }
+    Vector3 to_body(const Vector3& place) const { return rotation.origin + turn.to_body(place - rotation.origin); }
+    Vector3 to_lab(const Vector3& place) const { return rotation.origin + turn.to_lab(place - rotation.origin); }
+  };
+  class BodyWall;
+
+  void read(FixArguments& arguments);
+  void add_body(FixArguments& arguments, const std::string& name, std::unique_ptr<Surface> surface);
+  void read_materials();
+  void turn_bodies();
+  /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
+  void push(bool frozen);
+  void push(int particle, std::size_t body, TouchBook::Page& before, bool frozen);
+
+  int type_ = 1;
+  RollingModel rolling_ = RollingModel::none;
+  bool cohesion_ = false;
+  std::vector<Body> bodies_;
+  TouchBook book_;
+
+  // LIGGGHTS' registry writes through the addresses of these.
+  double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,
+         **rolling_friction_ = nullptr, **cohesion_density_ = nullptr;
+  std::vector<WallMaterial> materials_;  ///< of each particle type, from 1 on
+
+  std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
+  TouchBook::Page now_;              ///< scratch: of one particle
+  bool said_full_ = false;
+  long summed_step_ = -1;
+  std::vector<double> summed_;  ///< over all ranks, at summed_step_
+};
+
+}  // namespace granary::dem

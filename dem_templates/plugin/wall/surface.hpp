@@ -1,0 +1,95 @@
+// The surface of a body, in the body's own frame: where spheres touch it. Pure geometry, built once.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "dem_templates/plugin/resize/triangles.hpp"
+#include "dem_templates/plugin/wall/vectors.hpp"
+
+namespace granary::dem {
+
+struct SurfaceTouch {
+  double distance = 0.0;  ///< from the sphere's centre to the surface, below its radius [m]
+  Vector3 point{};        ///< of the surface, the nearest
+  Vector3 normal{};       ///< unit vector from there to the centre
+};
+
+class Surface {
+ public:
+  virtual ~Surface() = default;
+  /// Sets `found` to the touches of a sphere, nearest first: one for each patch of the surface it leans on.
+  virtual void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) = 0;
+};
+
+/// An endless plane with two sides.
+class PlaneSurface : public Surface {
+ public:
+  PlaneSurface(const Vector3& point, const Vector3& unit_normal) : point_(point), normal_(unit_normal) {}
+  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+
+ private:
+  Vector3 point_, normal_;
+};
+
+/// An endless cylinder; touched from inside and from outside.
+class CylinderSurface : public Surface {
+ public:
+  CylinderSurface(const Vector3& point, const Vector3& unit_axis, double radius)
+      : point_(point), axis_(unit_axis), radius_(radius) {}
+  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+
+ private:
+  Vector3 point_, axis_;
+  double radius_;
+};
+
+/// Triangles, closed or not, in a grid of cells that knows which of them a sphere in the cell can touch.
+///
+/// A touch is a local minimum of the distance from the centre over the surface, that the centre sees. So a shared edge
+/// or vertex counts only where no triangle at it comes nearer, a flat seam gives what the whole face would, and
+/// neither the far side of a thin blade nor what is buried in another part counts. Touches whose normals differ by less
+/// than `smooth` are one, the nearest: a round wall made of small flats pushes once.
+class MeshSurface : public Surface {
+ public:
+  /// smooth: [rad].
+  MeshSurface(std::vector<Triangle> triangles, double smooth);
+  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+
+  std::size_t n_triangles() const { return triangles_.size(); }
+
+ private:
+  /// What the distance to the inside of a triangle takes: p's height above the plane and its barycentric coordinates
+  /// are dot products.
+  struct Face {
+    Vector3 corner, normal, to_b, to_c;
+  };
+  struct Candidate {
+    SurfaceTouch touch;
+    std::uint32_t triangle = 0;
+    bool inside = false;  ///< nearest point in the inside of the triangle, not on its rim
+  };
+
+  void build_cells(double reach);
+  bool comes_nearer_elsewhere(const Candidate& candidate) const;
+  bool hidden(const Vector3& centre, const Candidate& candidate) const;
+  std::size_t cell_index(long i, long j, long k) const {
+    return static_cast<std::size_t>((i * n_cells_[1] + j) * n_cells_[2] + k);
+  }
+
+  std::vector<Triangle> triangles_;
+  std::vector<Face> faces_;
+  double same_point_ = 0.0;  ///< points nearer than this are one: the digits of an STL file [m]
+  double same_direction_;    ///< cosine
+
+  double reach_ = 0.0;  ///< largest radius the cells are good for; they are made anew for a larger one [m]
+  Vector3 low_{};
+  double cell_size_ = 1.0;
+  std::array<long, 3> n_cells_{};
+  std::vector<std::uint32_t> first_, entries_;  ///< triangles of cell c: entries first_[c] to first_[c + 1]
+
+  std::vector<Candidate> near_;  ///< scratch
+};
+
+}  // namespace granary::dem
