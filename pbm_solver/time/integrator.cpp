@@ -60,8 +60,10 @@ Integrator::Integrator(CompartmentRow& row, Exchange& exchange, const PbmCase& c
 /// E(state): all rates, less B state where that is taken implicitly.
 void Integrator::evaluate(std::span<const double> state, std::span<const double> participation, Inputs inputs,
                           LaneVector& rates) {
-  row_->rates(state, participation, inputs, rates, !method_->implicit());
-  if (method_->implicit()) stiff_.add(-1.0, state, rates, false);
+  // Selection rates that follow the particles differ from the frozen ones within the step; the difference is explicit.
+  const bool breakage = !method_->implicit() || row_->block(0).looks_at_particles();
+  row_->rates(state, participation, inputs, rates, breakage);
+  if (method_->implicit()) stiff_.add(-1.0, state, rates, breakage);
   ++work_.rhs_evaluations;
 }
 
@@ -71,8 +73,9 @@ double Integrator::smallest(double mine) const {
   return *std::min_element(all.begin(), all.end());
 }
 
-/// What a step of h starts with: rates, and the method for it.
-void Integrator::begin(std::span<const double> state, Inputs inputs, double h) {
+/// What a step of h starts with: rates, and the method for it. negligible: share of what is held that may pass through
+/// stiff classes of an explicit step.
+void Integrator::begin(std::span<const double> state, Inputs inputs, double h, double negligible) {
   row_->begin_step(state, false);
   sum_magnitudes(*row_, state, before_);
   small_.begin_step(state, before_);
@@ -80,7 +83,7 @@ void Integrator::begin(std::span<const double> state, Inputs inputs, double h) {
   evaluate(state, {}, inputs, first_rates_);
   if (stiff_.exists()) {
     stiff_.freeze();
-    const bool here = stiff_.needed(state, first_rates_, h, before_, kNegligible * tolerance_);
+    const bool here = stiff_.needed(state, first_rates_, h, before_, negligible);
     if (smallest(here ? 0.0 : 1.0) == 0.0) method_ = &implicit_explicit_;
   }
   small_.set_losses(method_->implicit() ? stiff_.rate() : std::span<const double>());
@@ -186,10 +189,11 @@ Integrator::Judgement Integrator::judge() {
 
 Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest,
                                           double shortest) {
-  begin(state, inputs, h);
+  begin(state, inputs, h, kNegligible * tolerance_);
   const double asked = h;
   Judgement last;
   bool repeat = false;  // the same step again, with classes slowed down further
+  bool tried_implicit = false;
   for (int attempt = 0; attempt < kMostAttempts && h >= shortest; ++attempt) {
     if (repeat) {
       if (method_->implicit()) stiff_.slow_down(small_.participation());
@@ -207,9 +211,15 @@ Result<Integrator::Step> Integrator::step(std::span<double> state, double time, 
       return Step{h, next_step(h, longest, h == asked && h < longest, last.error)};
     }
     ++work_.rejected;
+    if (stiff_.exists() && !method_->implicit() && last.verdict != Verdict::fine && !tried_implicit) {
+      // Something became negative: if any class is stiff at all, the other method may not even notice.
+      tried_implicit = true, repeat = false;
+      begin(state, inputs, h, 0.0);
+      if (method_->implicit()) continue;
+    }
     if (repeat) continue;
     h *= last.verdict == Verdict::fine ? StepControl::rejected(last.error) : 0.5;
-    if (method_->implicit()) begin(state, inputs, h);
+    if (method_->implicit()) begin(state, inputs, h, tried_implicit ? 0.0 : kNegligible * tolerance_);
   }
   return too_hard(time, h, last);
 }

@@ -8,6 +8,7 @@
 
 #include "common/json/io.hpp"
 #include "pbm_solver/verification/convergence_plot.hpp"
+#include "pbm_solver/verification/hard_cases.hpp"
 #include "pbm_solver/verification/verification.hpp"
 
 namespace granary::pbm {
@@ -21,6 +22,7 @@ constexpr const char* kExamples = R"(Examples:
   granary-pbm verify sum-2d --bins 64             on another grid (no bounds there, but for what is conserved)
   granary-pbm verify --json > errors.json
   granary-pbm verify --plot convergence.svg       errors against classes
+  granary-pbm verify hard                         the cases that break solvers; hard:NAME for one of them
 The cases, their bounds and the reasons of these: docs/verification.md.
 Exit: 0 all within their bounds, 2 bad input, 3 an error beyond its bound.)";
 
@@ -91,7 +93,7 @@ int verify_exact(const VerifyOptions& options) {
 CLI::App* add_verify_command(CLI::App& app, VerifyOptions& options) {
   CLI::App* command = app.add_subcommand("verify", "solve cases with exact solutions and judge the errors");
   command->footer(kExamples);
-  command->add_option("CASE", options.name, "a case of docs/verification.md, or all")->capture_default_str();
+  command->add_option("CASE", options.name, "a case of docs/verification.md, all of them, or hard")->capture_default_str();
   command->add_option("--bins", options.bins, "classes along each solid, instead of the case's own grids");
   command->add_option("--tolerance", options.tolerance, "relative tolerance of the time steps")
       ->check(CLI::Range(1e-12, 0.1))
@@ -102,6 +104,11 @@ CLI::App* add_verify_command(CLI::App& app, VerifyOptions& options) {
 }
 
 // Each suite has its own tables and its own exit code; a name that is no exact solution's selects another suite here.
-int run_verify_command(const VerifyOptions& options) { return verify_exact(options); }
+int run_verify_command(const VerifyOptions& options) {
+  const std::string hard = "hard";
+  if (options.name == hard) return verify_hard("", options.as_json);
+  if (options.name.rfind(hard + ":", 0) == 0) return verify_hard(options.name.substr(hard.size() + 1), options.as_json);
+  return verify_exact(options);
+}
 
 }  // namespace granary::pbm
