@@ -119,7 +119,7 @@ HardCase product(const char* name, const char* text, const char* reason, double 
           std::move(bounds),
           false,
           [=] {
-            PbmCase c = batch(24, 2.0, end, false);
+            PbmCase c = batch(16, 2.0, end, false);
             c.aggregation = aggregation(1.0, Aggregation::Kernel::product);
             c.initial = {{0, 0, 0, 1.0, 0.0, 0.0}};
             return c;
@@ -151,7 +151,7 @@ std::vector<HardCase> hard_cases() {
                         "M00 = 1 - t/2 is the time steps' error, and 1 % for what the grid already loses", 0.9,
                         {{"M00", 1e-2}, {"reported_loss", 1e-12}}));
   all.push_back(product("gelation-past", "product kernel at twice the gel point: gel leaves the grid, and is reported",
-                        "mass of the sol is 1/t on an endless grid; 10 % for a grid that ends at 1e10", 2.0,
+                        "mass of the sol is 1/t on an endless grid; 10 % for a grid that ends at 3e4", 2.0,
                         {{"sol_mass", 0.1}, {"reported_loss", 1e-12}}));
   all.push_back({"grid-overflow",
                  "everything grows beyond a grid of five classes",
