@@ -74,9 +74,8 @@ double Integrator::smallest(double mine) const {
   return *std::min_element(all.begin(), all.end());
 }
 
-/// What a step of h starts with: rates, and the method for it. negligible: share of what is held that may pass through
-/// stiff classes of an explicit step.
-void Integrator::begin(std::span<const double> state, Inputs inputs, double h, double negligible) {
+/// What a step of h starts with: rates, and the method for it.
+void Integrator::begin(std::span<const double> state, Inputs inputs, double h) {
   row_->begin_step(state, false);
   sum_magnitudes(*row_, state, before_);
   small_.begin_step(state, before_);
@@ -84,7 +83,7 @@ void Integrator::begin(std::span<const double> state, Inputs inputs, double h, d
   evaluate(state, {}, inputs, first_rates_);
   if (stiff_.exists()) {
     stiff_.freeze();
-    const bool here = stiff_.needed(state, first_rates_, h, before_, negligible);
+    const bool here = stiff_.needed(state, first_rates_, h, before_, tolerance_);
     if (smallest(here ? 0.0 : 1.0) == 0.0) method_ = &implicit_explicit_;
   }
   small_.set_losses(method_->implicit() ? stiff_.rate() : std::span<const double>());
@@ -190,11 +189,10 @@ Integrator::Judgement Integrator::judge() {
 
 Result<Integrator::Step> Integrator::step(std::span<double> state, double time, Inputs inputs, double h, double longest,
                                           double shortest) {
-  begin(state, inputs, h, kNegligible * tolerance_);
+  begin(state, inputs, h);
   const double asked = h;
   Judgement last;
   bool repeat = false;  // the same step again, with classes slowed down further
-  bool tried_implicit = false;
   for (int attempt = 0; attempt < kMostAttempts && h >= shortest; ++attempt) {
     if (repeat) {
       if (method_->implicit()) stiff_.slow_down(small_.participation());
@@ -212,15 +210,9 @@ Result<Integrator::Step> Integrator::step(std::span<double> state, double time, 
       return Step{h, next_step(h, longest, h == asked && h < longest, last.error)};
     }
     ++work_.rejected;
-    if (stiff_.exists() && !method_->implicit() && last.verdict != Verdict::fine && !tried_implicit) {
-      // Something became negative: if any class is stiff at all, the other method may not even notice.
-      tried_implicit = true, repeat = false;
-      begin(state, inputs, h, 0.0);
-      if (method_->implicit()) continue;
-    }
     if (repeat) continue;
     h *= last.verdict == Verdict::fine ? StepControl::rejected(last.error) : 0.5;
-    if (method_->implicit()) begin(state, inputs, h, tried_implicit ? 0.0 : kNegligible * tolerance_);
+    if (method_->implicit()) begin(state, inputs, h);
   }
   return too_hard(time, h, last);
 }

@@ -28,9 +28,8 @@ struct WorkCount {
 };
 
 /// Each step is taken with one of two methods of order 3 with 4 evaluations (additive_method.hpp): the explicit one,
-/// or, where what passes through classes that break or leave the grid too fast for it matters, the one that takes
-/// these two (stiff_part.hpp) implicitly; also where the explicit one made a class negative and any class is stiff. The
-/// choice follows from state and step alone.
+/// or, where classes break or leave the grid faster than it could follow, the one that takes these two implicitly
+/// (stiff_part.hpp). The choice follows from state and step alone.
 ///
 /// Nothing is ever clipped. Small classes that are faster than the step in what is explicit are slowed down
 /// (small_classes.hpp); a step that would still empty a class is repeated shorter. In a stage, implicit decay may lead
@@ -65,7 +64,7 @@ class Integrator {
     int worst_compartment = 0;
     int worst_quantity = 0;
   };
-  void begin(std::span<const double> state, Inputs inputs, double h, double negligible);
+  void begin(std::span<const double> state, Inputs inputs, double h);
   double limit_first_stage(std::span<const double> state, Inputs inputs, double h);
   void run_stages(std::span<const double> state, Inputs inputs, double h);
   void take_stage(std::span<const double> state, std::size_t stage, double h);

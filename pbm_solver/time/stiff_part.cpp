@@ -6,6 +6,9 @@ namespace granary::pbm {
 namespace {
 
 constexpr double kStiff = 2.0;  // step times rate: up to it an Euler step of half the step keeps a class positive
+// Of the tolerance: shares of what is held that may pass through stiff classes of an explicit step.
+constexpr double kNothing = 1e-15;
+constexpr double kNegligible = 0.05;
 
 }  // namespace
 
@@ -57,19 +60,19 @@ void StiffPart::slow_down(std::span<const double> participation) {
 }
 
 bool StiffPart::needed(std::span<const double> state, std::span<const double> rates, double h,
-                       std::span<const Held> held, double share) const {
+                       std::span<const Held> held, double tolerance) const {
   const std::size_t lanes = row_->lanes();
   const std::span<const double> solid = row_->grid().solid();
   for (std::size_t x = 0; x < row_->compartments(); ++x) {
     const double* loss = row_->loss_rate(x / lanes).data() + x % lanes;
-    double passes = 0.0;
+    double breaks = 0.0, leaves = 0.0;
     for (std::size_t k = 0; k < row_->classes(); ++k) {
-      const double rate = rate_[row_->by_class(x, k)];
-      if (!(h * rate > kStiff)) continue;
+      const std::size_t at = row_->by_class(x, k);
+      if (!(h * rate_[at] > kStiff)) continue;
       const double number = state[row_->at(x, k)], born = rates[row_->at(x, k)] + loss[k * lanes] * number;
-      passes += solid[k] * h * std::max({0.0, born, rate * number});
+      (h * selection_[at] > kStiff ? breaks : leaves) += solid[k] * h * std::max({0.0, born, rate_[at] * number});
     }
-    if (passes > share * held[x][1]) return true;
+    if (breaks > kNothing * tolerance * held[x][1] || leaves > kNegligible * tolerance * held[x][1]) return true;
   }
   return false;
 }

@@ -20,11 +20,12 @@ class StiffPart {
   bool exists() const { return exists_; }
   /// Takes the rates at the last CompartmentRow::rates() (with breakage and without participation).
   void freeze();
-  /// Whether a step of h is to take B implicitly: whether in any compartment of this rank so much passes during h
-  /// through classes that lose by B faster than an explicit method could follow, that it cannot be neglected.
-  /// held: solid volume of each compartment; share: of it, what may be neglected. Right after freeze().
+  /// Whether a step of h is to take B implicitly: whether in any compartment of this rank classes that break faster
+  /// than an explicit method could follow hold anything at all, or so much passes during h through those that leave as
+  /// fast, that it cannot be neglected (they are slowed down otherwise, see small_classes.hpp). Right after freeze().
+  /// held: what each compartment holds.
   bool needed(std::span<const double> state, std::span<const double> rates, double h, std::span<const Held> held,
-              double share) const;
+              double tolerance) const;
   /// Rate at which a class loses by B [1/s], [block][class][lane].
   std::span<const double> rate() const { return rate_; }
   /// From now on classes take part by these factors [block][class][lane]; empty: 1.
