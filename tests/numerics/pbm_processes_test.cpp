@@ -128,6 +128,28 @@ TEST(Granulator, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+TEST(Granulator, GivesTheSameBitsForAnyNumberOfThreadsWhereStepsAreImplicit) {
+  PbmCase c = testing::a_granulator(8, 20);
+  c.breakage->rate = 100.0;
+  c.end_time = 1.6;
+  Alone alone(c.compartments.count);
+  std::vector<Snapshot> ends;
+  for (const int threads : {1, 2, 5}) {
+    Simulation simulation(c, initial_snapshot(c, ClassGrid(c.grid)), alone, threads);
+    ASSERT_TRUE(simulation.advance(c.end_time));
+    EXPECT_GT(simulation.work().implicit_steps, 0);
+    ends.push_back(simulation.snapshot());
+  }
+
+  expect_conserved_and_positive(ends[0], c);
+  for (const std::size_t other : {1, 2}) {
+    EXPECT_EQ(ends[0].number, ends[other].number);
+    EXPECT_EQ(ends[0].liquid, ends[other].liquid);
+    EXPECT_EQ(ends[0].ledger, ends[other].ledger);
+    EXPECT_EQ(ends[0].next_step, ends[other].next_step);
+  }
+}
+
 TEST(Granulator, HardlyDependsOnTheTolerance) {
   PbmCase c = testing::a_granulator(10, 2);
   c.end_time = 6.0;

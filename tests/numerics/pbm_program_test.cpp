@@ -227,6 +227,21 @@ TEST_F(PbmProgram, GivesTheSameBitsOnAnyNumberOfRanks) {
   }
 }
 
+// Breakage so fast that steps are implicit; 12 compartments are 8 + 4 lanes on one rank, 6 on each of two, 4 of three.
+TEST_F(PbmProgram, GivesTheSameBitsOnAnyNumberOfRanksWhereStepsAreImplicit) {
+  PbmCase c = testing::a_granulator(7, 12);
+  c.breakage->rate = 100.0;
+  c.end_time = 0.8;
+  const fs::path file = write_case("case.json", c);
+  ASSERT_EQ(run(file, out("one")).exit, 0);
+
+  for (const int ranks : {2, 3}) {
+    const Ended ended = run(file, out("more"), 1, ranks);
+    ASSERT_EQ(ended.exit, 0) << ended.err;
+    expect_same_states(out("one"), out("more"), 5);
+  }
+}
+
 TEST_F(PbmProgram, GoesOnWithAnotherNumberOfRanks) {
   const PbmCase whole = a_short_case();
   ASSERT_EQ(run(write_case("whole.json", whole), out("whole")).exit, 0);
