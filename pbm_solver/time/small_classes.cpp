@@ -1,7 +1,9 @@
 #include "pbm_solver/time/small_classes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace granary::pbm {
 namespace {
@@ -10,6 +12,9 @@ constexpr double kMargin = 0.9;  // of the longest step that keeps a class posit
 constexpr double kSmall = 0.1;   // of the tolerance: share of a compartment's solids in all small classes together
 constexpr double kDust = 1e-12;  // share of a compartment's solids
 constexpr int kOctaves = 64;     // below a compartment's solids: classes that hold less are counted together
+
+/// Of a number >= 0, from its bits; a large negative one of 0.
+int exponent(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52U); }
 
 }  // namespace
 
@@ -51,33 +56,42 @@ bool SmallClasses::is_fast(double h, double loss_rate) { return 0.5 * h * loss_r
 
 /// The classes that hold least, together at most kSmall of what the tolerance allows; among them the dust. What they
 /// hold is sorted by octaves only.
-void SmallClasses::mark_sizes(std::size_t x) {
-  const std::size_t n = row_->classes(), lanes = row_->lanes();
-  const double* number = &state_[row_->at(x, 0)];
-  const std::span<const double> solid = row_->grid().solid();
-  const double total = held_[x][1];
-  Size* sizes = &sizes_[row_->by_class(x, 0)];
-  std::array<double, kOctaves> in_octave{};
-  const auto octave = [&](double held) {
-    return held > 0.0 ? std::clamp(std::ilogb(total) - std::ilogb(held), 0, kOctaves - 1) : kOctaves - 1;
-  };
-  for (std::size_t k = 0; k < n; ++k) {
-    const double held = std::abs(solid[k] * number[k * lanes]);
-    in_octave[static_cast<std::size_t>(octave(held))] += held;
-  }
-  int smallest_large = kOctaves - 1;
-  for (double sum = in_octave.back(); smallest_large >= 0 && sum < kSmall * tolerance_ * total;)
-    sum += in_octave[static_cast<std::size_t>(std::max(0, --smallest_large))];
-  for (std::size_t k = 0; k < n; ++k) {
-    const double held = std::abs(solid[k] * number[k * lanes]);
-    sizes[k * lanes] = octave(held) <= smallest_large ? Size::large : held < kDust * total ? Size::dust : Size::small;
-  }
-}
-
 void SmallClasses::mark_sizes() {
   if (marked_) return;
-  for (std::size_t x = 0; x < row_->compartments(); ++x) mark_sizes(x);
   marked_ = true;
+  const std::size_t lanes = row_->lanes(), each = row_->classes() * lanes;
+  const double* solid = row_->tables().solids.solid.data();
+  std::vector<int> octaves(each);
+  for (std::size_t b = 0; b < row_->blocks(); ++b) {
+    const double* number = &state_[b * row_->stride()];
+    std::array<std::array<double, kOctaves>, kLanes> in_octave{};
+    std::array<int, kLanes> top{}, smallest_large{};
+    std::array<double, kLanes> total{};
+    const std::size_t in_block = std::min(lanes, row_->compartments() - b * lanes);
+    for (std::size_t l = 0; l < in_block; ++l) {
+      total[l] = held_[b * lanes + l][1];
+      top[l] = exponent(total[l]);
+    }
+    for (std::size_t first = 0; first < each; first += lanes)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const double held = std::abs(solid[first + l] * number[first + l]);
+        const int octave = std::clamp(top[l] - exponent(held), 0, kOctaves - 1);
+        octaves[first + l] = octave;
+        in_octave[l][static_cast<std::size_t>(octave)] += held;
+      }
+    for (std::size_t l = 0; l < in_block; ++l) {
+      int octave = kOctaves - 1;
+      for (double sum = in_octave[l].back(); octave >= 0 && sum < kSmall * tolerance_ * total[l];)
+        sum += in_octave[l][static_cast<std::size_t>(std::max(0, --octave))];
+      smallest_large[l] = octave;
+    }
+    for (std::size_t first = 0; first < each; first += lanes)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const std::size_t at = first + l;
+        const Size small = std::abs(solid[at] * number[at]) < kDust * total[l] ? Size::dust : Size::small;
+        sizes_[b * each + at] = octaves[at] <= smallest_large[l] ? Size::large : small;
+      }
+  }
 }
 
 bool SmallClasses::emptied(std::span<const double> rates, std::size_t x, std::size_t k, double h) const {
@@ -88,47 +102,41 @@ bool SmallClasses::emptied(std::span<const double> rates, std::size_t x, std::si
   return false;
 }
 
-/// Small, faster than the step, and emptied by it. Dust in any case: its births may stop in a later stage.
-bool SmallClasses::slowed_down(std::span<const double> rates, std::size_t x, std::size_t k, double h) const {
-  const std::size_t at = row_->by_class(x, k);
-  if (!is_fast(h, loss_[at]) || sizes_[at] == Size::large) return false;
-  return sizes_[at] == Size::dust || emptied(rates, x, k, h);
+template <class Do>
+void SmallClasses::for_each_fast(double h, Do&& each) const {
+  const std::size_t lanes = row_->lanes(), n = row_->classes() * lanes;
+  for (std::size_t at = 0; at < loss_.size(); ++at)
+    if (is_fast(h, loss_[at])) each(at, at / n * lanes + at % lanes, at % n / lanes);
 }
 
 double SmallClasses::limit_by_emptying(std::span<const double> rates, double h) {
   if (!is_fast(h, fastest_)) return h;
   mark_sizes();
-  const std::size_t n = row_->classes();
   double limit = h;
-  for (std::size_t x = 0; x < row_->compartments(); ++x)
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t class_at = row_->by_class(x, k);
-      if (!is_fast(h, loss_[class_at]) || sizes_[class_at] != Size::large) continue;
-      for (std::size_t q = 0; q < 3; ++q) {
-        const std::size_t at = row_->at(x, q * n + k);
-        if (state_[at] > 0.0 && state_[at] + 0.5 * h * rates[at] < 0.0)
-          limit = std::min(limit, kMargin * 2.0 * state_[at] / -rates[at]);
-      }
+  for_each_fast(h, [&](std::size_t class_at, std::size_t x, std::size_t k) {
+    if (sizes_[class_at] != Size::large) return;
+    for (std::size_t q = 0; q < 3; ++q) {
+      const std::size_t at = row_->at(x, q * row_->classes() + k);
+      if (state_[at] > 0.0 && state_[at] + 0.5 * h * rates[at] < 0.0)
+        limit = std::min(limit, kMargin * 2.0 * state_[at] / -rates[at]);
     }
+  });
   return limit;
 }
 
 double SmallClasses::limit_by_filling(std::span<const double> rates, double h) {
   if (!is_fast(h, fastest_)) return h;
   mark_sizes();
-  const std::size_t n = row_->classes();
   const std::span<const double> solid = row_->grid().solid();
+  std::vector<double> born(row_->compartments(), 0.0);
+  for_each_fast(h, [&](std::size_t class_at, std::size_t x, std::size_t k) {
+    if (sizes_[class_at] != Size::small || !emptied(rates, x, k, h)) return;
+    const std::size_t at = row_->at(x, k);
+    born[x] += solid[k] * std::max(0.0, rates[at] + loss_[class_at] * state_[at]);
+  });
   double limit = h;
-  for (std::size_t x = 0; x < row_->compartments(); ++x) {
-    double born = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t class_at = row_->by_class(x, k);
-      if (!is_fast(h, loss_[class_at]) || sizes_[class_at] != Size::small || !slowed_down(rates, x, k, h)) continue;
-      const std::size_t at = row_->at(x, k);
-      born += solid[k] * std::max(0.0, rates[at] + loss_[class_at] * state_[at]);
-    }
-    if (born > 0.0) limit = std::min(limit, 0.5 * kSmall * tolerance_ * held_[x][1] / born);
-  }
+  for (std::size_t x = 0; x < born.size(); ++x)
+    if (born[x] > 0.0) limit = std::min(limit, 0.5 * kSmall * tolerance_ * held_[x][1] / born[x]);
   return limit;
 }
 
@@ -137,15 +145,13 @@ bool SmallClasses::slow_down(std::span<const double> rates, double h) {
   if (!is_fast(h, fastest_)) return false;
   mark_sizes();
   bool any = false;
-  participation_.assign(row_->class_values(), 1.0);
-  for (std::size_t x = 0; x < row_->compartments(); ++x)
-    for (std::size_t k = 0; k < row_->classes(); ++k) {
-      const std::size_t at = row_->by_class(x, k);
-      if (!is_fast(h, loss_[at]) || !slowed_down(rates, x, k, h)) continue;
-      participation_[at] = kMargin / (0.5 * h * loss_[at]);
-      any = true;
-    }
-  if (!any) participation_.clear();
+  for_each_fast(h, [&](std::size_t at, std::size_t x, std::size_t k) {
+    // Dust in any case: its births may stop in a later stage.
+    if (sizes_[at] == Size::large || (sizes_[at] == Size::small && !emptied(rates, x, k, h))) return;
+    if (!any) participation_.assign(row_->class_values(), 1.0);
+    participation_[at] = kMargin / (0.5 * h * loss_[at]);
+    any = true;
+  });
   return any;
 }
 
@@ -157,26 +163,24 @@ void SmallClasses::check(std::span<const double> stage, double h, bool tolerant,
 void SmallClasses::check_block(std::size_t b, std::span<const double> stage, double h, bool tolerant,
                                std::span<Negative> accounts) {
   mark_sizes();
-  const std::size_t n = row_->classes();
-  const std::span<const double> solid = row_->grid().solid();
-  for (std::size_t x = b * row_->lanes(); x < std::min((b + 1) * row_->lanes(), row_->compartments()); ++x)
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t q = 0; q < 3; ++q) {
-        const double value = stage[row_->at(x, q * n + k)];
-        if (!(value < 0.0)) continue;
-        const std::size_t at = row_->by_class(x, k);
-        const double part = participation_.empty() ? 1.0 : participation_[at];
-        if (tolerant && !is_fast(h, part * loss_[at])) {
-          accounts[x].amount[q == 0 ? 0 : q + 1] -= value;
-          if (q == 0) accounts[x].amount[1] -= solid[k] * value;
-        } else if (sizes_[at] == Size::large) {
-          accounts[x].shorten = true;
-        } else {
-          accounts[x].slowed = true;
-          if (participation_.empty()) participation_.assign(row_->class_values(), 1.0);
-          participation_[at] = std::min(0.5 * participation_[at], kMargin / (0.5 * h * all_loss_[at]));
-        }
-      }
+  const std::size_t lanes = row_->lanes(), each = row_->classes() * lanes;
+  const double* value = &stage[b * row_->stride()];
+  for (std::size_t entry = 0; entry < 3 * each; ++entry) {
+    if (!(value[entry] < 0.0)) continue;
+    const std::size_t q = entry / each, k = entry % each / lanes, at = b * each + entry % each;
+    Negative& account = accounts[b * lanes + entry % lanes];
+    const double part = participation_.empty() ? 1.0 : participation_[at];
+    if (tolerant && !is_fast(h, part * loss_[at])) {
+      account.amount[q == 0 ? 0 : q + 1] -= value[entry];
+      if (q == 0) account.amount[1] -= row_->grid().solid()[k] * value[entry];
+    } else if (sizes_[at] == Size::large) {
+      account.shorten = true;
+    } else {
+      account.slowed = true;
+      if (participation_.empty()) participation_.assign(row_->class_values(), 1.0);
+      participation_[at] = std::min(0.5 * participation_[at], kMargin / (0.5 * h * all_loss_[at]));
+    }
+  }
 }
 
 }  // namespace granary::pbm

@@ -49,10 +49,11 @@ class SmallClasses {
 
   enum class Size : char { large, small, dust };
   void mark_sizes();
-  void mark_sizes(std::size_t x);
   void check_block(std::size_t b, std::span<const double> stage, double h, bool tolerant, std::span<Negative> accounts);
   bool emptied(std::span<const double> rates, std::size_t x, std::size_t k, double h) const;
-  bool slowed_down(std::span<const double> rates, std::size_t x, std::size_t k, double h) const;
+  /// Calls each(place of the class, compartment, class).
+  template <class Do>
+  void for_each_fast(double h, Do&& each) const;
 
   const CompartmentRow* row_;
   double tolerance_;
