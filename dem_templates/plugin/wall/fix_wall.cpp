@@ -218,7 +218,11 @@ void FixWall::push(bool frozen) {
     const Vector3 place = vector_of(atom->x[i]);
     now_.n = 0;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      bodies_[b].surface->touches(bodies_[b].to_body(place), atom->radius[i], found_);
+      Look& look = looks_[static_cast<std::size_t>(i) * bodies_.size() + b];
+      const Vector3 here = bodies_[b].to_body(place), moved = here - look.place;
+      const double room = look.clear_distance - atom->radius[i];
+      if (room > 0.0 && dot(moved, moved) < room * room) continue;
+      look = {here, bodies_[b].surface->touches(here, atom->radius[i], found_)};
       if (!found_.empty()) push(i, b, before, frozen);
     }
     before.n = now_.n;
@@ -316,17 +320,25 @@ std::unique_ptr<Wall> FixWall::body(const std::string& name) {
 
 // ---- memory that follows the particles ----
 
-void FixWall::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }
+void FixWall::grow_arrays(int n) {
+  book_.resize(static_cast<std::size_t>(n));
+  looks_.resize(static_cast<std::size_t>(n) * bodies_.size());
+}
 void FixWall::copy_arrays(int from, int to, int) {
   book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+  std::copy_n(looks_of(from), bodies_.size(), looks_of(to));
 }
-void FixWall::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
+void FixWall::set_arrays(int particle) {
+  book_.clear(static_cast<std::size_t>(particle));
+  std::fill_n(looks_of(particle), bodies_.size(), Look{});
+}
 
 int FixWall::pack_exchange(int particle, double* buffer) {
   return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), buffer));
 }
 
 int FixWall::unpack_exchange(int particle, double* buffer) {
+  std::fill_n(looks_of(particle), bodies_.size(), Look{});
   return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), buffer));
 }
 
@@ -339,6 +351,7 @@ int FixWall::pack_restart(int particle, double* buffer) {
 
 // Our values come after those of nth other fixes.
 void FixWall::unpack_restart(int particle, int nth) {
+  std::fill_n(looks_of(particle), bodies_.size(), Look{});
   const double* values = atom->extra[particle];
   for (int k = 0; k < nth; ++k) values += static_cast<int>(values[0]);
   book_.unpack(static_cast<std::size_t>(particle), values + 1);

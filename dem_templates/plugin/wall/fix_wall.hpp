@@ -65,6 +65,11 @@ class FixWall : public LAMMPS_NS::Fix {
     Vector3 to_lab(const Vector3& place) const { return rotation.origin + turn.to_lab(place - rotation.origin); }
   };
   class BodyWall;
+  /// When a particle was last looked at: the body keeps this distance from there.
+  struct Look {
+    Vector3 place{};              ///< of the centre, in the body's frame
+    double clear_distance = 0.0;  ///< [m]
+  };
 
   void read(FixArguments& arguments);
   void add_body(FixArguments& arguments, const std::string& name, std::unique_ptr<Surface> surface);
@@ -74,11 +79,16 @@ class FixWall : public LAMMPS_NS::Fix {
   void push(bool frozen);
   void push(int particle, std::size_t body, TouchBook::Page& before, bool frozen);
 
+  std::vector<Look>::iterator looks_of(int particle) {
+    return looks_.begin() + static_cast<std::ptrdiff_t>(particle) * static_cast<std::ptrdiff_t>(bodies_.size());
+  }
+
   int type_ = 1;
   RollingModel rolling_ = RollingModel::none;
   bool cohesion_ = false;
   std::vector<Body> bodies_;
   TouchBook book_;
+  std::vector<Look> looks_;  ///< of particle i and body b: i n_bodies + b. Nothing depends on them but the speed.
 
   // LIGGGHTS' registry writes through the addresses of these.
   double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,

@@ -6,7 +6,8 @@
 namespace granary::dem {
 namespace {
 
-constexpr double kMostCells = 2e6;
+constexpr double kMostCells = 5e5;
+constexpr double kReach = 1.5;  // of the largest radius: a farther look costs more, but lasts longer
 
 // Towards the centre; where the centre lies in the surface, the surface's own normal.
 SurfaceTouch touch_from(const Vector3& centre, const Vector3& point, double distance, const Vector3& own_normal) {
@@ -16,21 +17,23 @@ SurfaceTouch touch_from(const Vector3& centre, const Vector3& point, double dist
 
 }  // namespace
 
-void PlaneSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+double PlaneSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
   found.clear();
   const double height = dot(centre - point_, normal_);
-  if (std::abs(height) >= radius) return;
-  found.push_back({std::abs(height), centre - height * normal_, (height < 0.0 ? -1.0 : 1.0) * normal_});
+  if (std::abs(height) < radius)
+    found.push_back({std::abs(height), centre - height * normal_, (height < 0.0 ? -1.0 : 1.0) * normal_});
+  return std::abs(height);
 }
 
-void CylinderSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+double CylinderSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
   found.clear();
   const Vector3 from_point = centre - point_;
   const Vector3 outwards = from_point - dot(from_point, axis_) * axis_;
   const double off_axis = norm(outwards), height = off_axis - radius_;
-  if (std::abs(height) >= radius || off_axis == 0.0) return;
+  if (std::abs(height) >= radius || off_axis == 0.0) return std::abs(height);
   const Vector3 away = (1.0 / off_axis) * outwards;
   found.push_back({std::abs(height), centre - height * away, (height < 0.0 ? -1.0 : 1.0) * away});
+  return std::abs(height);
 }
 
 MeshSurface::MeshSurface(std::vector<Triangle> triangles, double smooth)
@@ -100,24 +103,31 @@ void MeshSurface::build_cells(double reach) {
   for (const auto& [cell, triangle] : pairs) entries_[next[cell]++] = triangle;
 }
 
-void MeshSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+double MeshSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
   found.clear();
-  if (radius > reach_) build_cells(1.02 * radius);
+  if (radius > largest_radius_) {
+    largest_radius_ = 1.02 * radius;
+    build_cells(kReach * radius);
+  }
   std::array<long, 3> cell{};
   for (std::size_t d = 0; d < 3; ++d) {
     const double place = (centre[d] - low_[d]) / cell_size_;
-    if (!(place >= 0.0 && place < static_cast<double>(n_cells_[d]))) return;
+    if (!(place >= 0.0 && place < static_cast<double>(n_cells_[d]))) return reach_;
     cell[d] = static_cast<long>(place);
   }
   const std::size_t c = cell_index(cell[0], cell[1], cell[2]);
 
   near_.clear();
+  double clear2 = reach_ * reach_;
   for (std::uint32_t e = first_[c]; e < first_[c + 1]; ++e) {
     const std::uint32_t t = entries_[e];
     const Face& face = faces_[t];
     const Vector3 from_corner = centre - face.corner;
     const double height = dot(from_corner, face.normal);
-    if (std::abs(height) >= radius) continue;
+    if (std::abs(height) >= radius) {
+      clear2 = std::min(clear2, height * height);
+      continue;
+    }
     const double to_b = dot(from_corner, face.to_b), to_c = dot(from_corner, face.to_c);
     if (to_b >= 0.0 && to_c >= 0.0 && to_b + to_c <= 1.0) {
       near_.push_back({touch_from(centre, centre - height * face.normal, std::abs(height), face.normal), t, true});
@@ -126,10 +136,11 @@ void MeshSurface::touches(const Vector3& centre, double radius, std::vector<Surf
     const Vector3 point = nearest_point(triangles_[t], centre);
     const Vector3 away = centre - point;
     const double distance2 = dot(away, away);
+    clear2 = std::min(clear2, distance2);
     if (distance2 < radius * radius)
       near_.push_back({touch_from(centre, point, std::sqrt(distance2), face.normal), t, false});
   }
-  if (near_.empty()) return;
+  if (near_.empty()) return std::sqrt(clear2);
 
   std::sort(near_.begin(), near_.end(),
             [](const Candidate& a, const Candidate& b) { return a.touch.distance < b.touch.distance; });
@@ -141,6 +152,7 @@ void MeshSurface::touches(const Vector3& centre, double radius, std::vector<Surf
     });
     if (!merged && !comes_nearer_elsewhere(candidate) && !hidden(centre, candidate)) found.push_back(candidate.touch);
   }
+  return near_[0].touch.distance;
 }
 
 // On a rim that also belongs to a triangle with a nearer point: no local minimum of the distance.

@@ -19,15 +19,17 @@ struct SurfaceTouch {
 class Surface {
  public:
   virtual ~Surface() = default;
-  /// Sets `found` to the touches of a sphere, nearest first: one for each patch of the surface it leans on.
-  virtual void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) = 0;
+  /// Sets `found` to the touches of a sphere, nearest first: one for each patch of the surface it leans on. Returns a
+  /// distance that the surface keeps from the centre for certain [m]: the centre need not be looked at again before it
+  /// has moved by that less the radius.
+  virtual double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) = 0;
 };
 
 /// An endless plane with two sides.
 class PlaneSurface : public Surface {
  public:
   PlaneSurface(const Vector3& point, const Vector3& unit_normal) : point_(point), normal_(unit_normal) {}
-  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
 
  private:
   Vector3 point_, normal_;
@@ -38,7 +40,7 @@ class CylinderSurface : public Surface {
  public:
   CylinderSurface(const Vector3& point, const Vector3& unit_axis, double radius)
       : point_(point), axis_(unit_axis), radius_(radius) {}
-  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
 
  private:
   Vector3 point_, axis_;
@@ -55,7 +57,7 @@ class MeshSurface : public Surface {
  public:
   /// smooth: [rad].
   MeshSurface(std::vector<Triangle> triangles, double smooth);
-  void touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
 
   std::size_t n_triangles() const { return triangles_.size(); }
 
@@ -83,7 +85,8 @@ class MeshSurface : public Surface {
   double same_point_ = 0.0;  ///< points nearer than this are one: the digits of an STL file [m]
   double same_direction_;    ///< cosine
 
-  double reach_ = 0.0;  ///< largest radius the cells are good for; they are made anew for a larger one [m]
+  double largest_radius_ = 0.0;  ///< that the cells are good for; they are made anew for a larger one [m]
+  double reach_ = 0.0;           ///< a cell's list has all triangles nearer than this to any point of it [m]
   Vector3 low_{};
   double cell_size_ = 1.0;
   std::array<long, 3> n_cells_{};
