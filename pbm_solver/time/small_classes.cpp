@@ -8,10 +8,11 @@
 namespace granary::pbm {
 namespace {
 
-constexpr double kMargin = 0.9;  // of the longest step that keeps a class positive
-constexpr double kSmall = 0.1;   // of the tolerance: share of a compartment's solids in all small classes together
-constexpr double kDust = 1e-12;  // share of a compartment's solids
-constexpr int kOctaves = 64;     // below a compartment's solids: classes that hold less are counted together
+constexpr double kMargin = 0.9;   // of the longest step that keeps a class positive
+constexpr double kCaution = 2.0;  // classes slowed down may become faster in later stages by this factor
+constexpr double kSmall = 0.1;    // of the tolerance: share of a compartment's solids in all small classes together
+constexpr double kDust = 1e-12;   // share of a compartment's solids
+constexpr int kOctaves = 64;      // below a compartment's solids: classes that hold less are counted together
 
 /// Of a number >= 0, from its bits; a large negative one of 0.
 int exponent(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52U); }
@@ -33,6 +34,7 @@ void SmallClasses::begin_step(std::span<const double> state, std::span<const Hel
 
 void SmallClasses::set_losses(std::span<const double> implicit_rate) {
   const std::size_t each = row_->classes() * row_->lanes();
+  caution_ = implicit_rate.empty() ? kCaution : 1.0;
   std::array<double, kLanes> largest{};
   for (std::size_t b = 0; b < row_->blocks(); ++b) {
     const double* all = row_->loss_rate(b).data();
@@ -142,14 +144,14 @@ double SmallClasses::limit_by_filling(std::span<const double> rates, double h) {
 
 bool SmallClasses::slow_down(std::span<const double> rates, double h) {
   participation_.clear();
-  if (!is_fast(h, fastest_)) return false;
+  if (!is_fast(caution_ * h, fastest_)) return false;
   mark_sizes();
   bool any = false;
-  for_each_fast(h, [&](std::size_t at, std::size_t x, std::size_t k) {
+  for_each_fast(caution_ * h, [&](std::size_t at, std::size_t x, std::size_t k) {
     // Dust in any case: its births may stop in a later stage.
     if (sizes_[at] == Size::large || (sizes_[at] == Size::small && !emptied(rates, x, k, h))) return;
     if (!any) participation_.assign(row_->class_values(), 1.0);
-    participation_[at] = kMargin / (0.5 * h * loss_[at]);
+    participation_[at] = kMargin / (0.5 * caution_ * h * loss_[at]);
     any = true;
   });
   return any;

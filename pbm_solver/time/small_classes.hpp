@@ -62,6 +62,7 @@ class SmallClasses {
   bool marked_ = false;         ///< sizes_ are those of state_
   std::vector<Size> sizes_;     ///< [block][class][lane]
   LaneVector all_loss_, loss_;  ///< loss rates, and those by what is taken explicitly; [block][class][lane]
+  double caution_ = 1.0;        ///< of explicit steps: on the loss rates of classes slowed down
   double fastest_ = 0.0;        ///< the largest of them
   LaneVector participation_;
 };

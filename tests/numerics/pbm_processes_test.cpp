@@ -130,7 +130,7 @@ TEST(Granulator, GivesTheSameBitsForAnyNumberOfThreads) {
 
 TEST(Granulator, GivesTheSameBitsForAnyNumberOfThreadsWhereStepsAreImplicit) {
   PbmCase c = testing::a_granulator(8, 20);
-  c.breakage->rate = 100.0;
+  c.breakage->rate = 1e4;
   c.end_time = 1.6;
   Alone alone(c.compartments.count);
   std::vector<Snapshot> ends;

@@ -230,7 +230,7 @@ TEST_F(PbmProgram, GivesTheSameBitsOnAnyNumberOfRanks) {
 // Breakage so fast that steps are implicit; 12 compartments are 8 + 4 lanes on one rank, 6 on each of two, 4 of three.
 TEST_F(PbmProgram, GivesTheSameBitsOnAnyNumberOfRanksWhereStepsAreImplicit) {
   PbmCase c = testing::a_granulator(7, 12);
-  c.breakage->rate = 100.0;
+  c.breakage->rate = 1e4;
   c.end_time = 0.8;
   const fs::path file = write_case("case.json", c);
   ASSERT_EQ(run(file, out("one")).exit, 0);
