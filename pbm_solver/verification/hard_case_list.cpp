@@ -173,7 +173,7 @@ std::vector<HardCase> hard_cases() {
                  "granules fill the largest classes, where every collision leaves the grid",
                  "twenty times the tolerance: all that is fed passes through classes that last microseconds",
                  20.0 * kTolerance,
-                 1e-6,
+                 1e-5,
                  {},
                  false,
                  [] { return mixer(3e4, 4.0); }});

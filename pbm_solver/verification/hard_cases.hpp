@@ -41,7 +41,7 @@ struct HardResult {
 };
 
 std::vector<HardCase> hard_cases();
-/// Runs one, for at most 10 s of processor time each run.
+/// Runs one, for at most 10 s of processor time each run (more without NDEBUG).
 HardResult run_hard_case(const HardCase& hard_case);
 json::Value to_json(const HardResult& result);
 

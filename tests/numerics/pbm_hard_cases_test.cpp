@@ -1,11 +1,19 @@
 // Each hard case by its name, and how much work time integration may take.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <ostream>
+
 #include "pbm_solver/bench/bench_cases.hpp"
 #include "pbm_solver/time/simulation.hpp"
 #include "pbm_solver/verification/hard_cases.hpp"
 
 namespace granary::pbm {
+
+static void PrintTo(const HardCase& known, std::ostream* out) { *out << known.name; }
+
 namespace {
 
 class HardCases : public ::testing::TestWithParam<HardCase> {};
