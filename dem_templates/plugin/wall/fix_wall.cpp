@@ -202,8 +202,8 @@ void FixWall::post_force(int) { push(false); }
 void FixWall::turn_bodies() {
   const auto step = static_cast<long>(update->ntimestep);
   for (Body& body : bodies_) {
-    if (body.start_angle != 0.0 || body.angle_per_step != 0.0)
-      body.turn = Turn::about(body.rotation.axis, body.angle(step));
+    body.turned = body.start_angle != 0.0 || body.angle_per_step != 0.0;
+    if (body.turned) body.turn = Turn::about(body.rotation.axis, body.angle(step));
   }
 }
 
@@ -218,11 +218,11 @@ void FixWall::push(bool frozen) {
     const Vector3 place = vector_of(atom->x[i]);
     now_.n = 0;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      Look& look = looks_[static_cast<std::size_t>(i) * bodies_.size() + b];
-      const Vector3 here = bodies_[b].to_body(place), moved = here - look.place;
+      Look& look = looks_[first_look_of(i) + b];
+      const Vector3 here = bodies_[b].turned ? bodies_[b].to_body(place) : place, moved = here - look.place;
       const double room = look.clear_distance - atom->radius[i];
       if (room > 0.0 && dot(moved, moved) < room * room) continue;
-      look = {here, bodies_[b].surface->touches(here, atom->radius[i], found_)};
+      look = {here, bodies_[b].surface->touches(here, atom->radius[i], nearby_[first_look_of(i) + b], found_)};
       if (!found_.empty()) push(i, b, before, frozen);
     }
     before.n = now_.n;
@@ -288,10 +288,12 @@ class FixWall::BodyWall : public Wall {
   void touches(const std::function<void(const WallTouch&)>& found) const override {
     const LAMMPS_NS::Atom& atom = *fix_.atom;
     std::vector<SurfaceTouch> touching;
+    Nearby none;
     const Vector3 spin = body_.rotation.rate * body_.rotation.axis;
     for (int i = 0; i < atom.nlocal; ++i) {
       if (!(atom.mask[i] & fix_.groupbit)) continue;
-      body_.surface->touches(body_.to_body(vector_of(atom.x[i])), atom.radius[i], touching);
+      none.complete = 0.0;
+      body_.surface->touches(body_.to_body(vector_of(atom.x[i])), atom.radius[i], none, touching);
       if (touching.empty()) continue;
       const SurfaceTouch& deepest = touching[0];
       found({.particle = i,
@@ -322,15 +324,26 @@ std::unique_ptr<Wall> FixWall::body(const std::string& name) {
 
 void FixWall::grow_arrays(int n) {
   book_.resize(static_cast<std::size_t>(n));
-  looks_.resize(static_cast<std::size_t>(n) * bodies_.size());
+  looks_.resize(first_look_of(n));
+  nearby_.resize(first_look_of(n));
 }
 void FixWall::copy_arrays(int from, int to, int) {
   book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
-  std::copy_n(looks_of(from), bodies_.size(), looks_of(to));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    looks_[first_look_of(to) + b] = looks_[first_look_of(from) + b];
+    nearby_[first_look_of(to) + b] = nearby_[first_look_of(from) + b];
+  }
 }
+void FixWall::forget_looks(int particle) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    looks_[first_look_of(particle) + b].clear_distance = 0.0;
+    nearby_[first_look_of(particle) + b].complete = 0.0;
+  }
+}
+
 void FixWall::set_arrays(int particle) {
   book_.clear(static_cast<std::size_t>(particle));
-  std::fill_n(looks_of(particle), bodies_.size(), Look{});
+  forget_looks(particle);
 }
 
 int FixWall::pack_exchange(int particle, double* buffer) {
@@ -338,7 +351,7 @@ int FixWall::pack_exchange(int particle, double* buffer) {
 }
 
 int FixWall::unpack_exchange(int particle, double* buffer) {
-  std::fill_n(looks_of(particle), bodies_.size(), Look{});
+  forget_looks(particle);
   return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), buffer));
 }
 
@@ -351,7 +364,7 @@ int FixWall::pack_restart(int particle, double* buffer) {
 
 // Our values come after those of nth other fixes.
 void FixWall::unpack_restart(int particle, int nth) {
-  std::fill_n(looks_of(particle), bodies_.size(), Look{});
+  forget_looks(particle);
   const double* values = atom->extra[particle];
   for (int k = 0; k < nth; ++k) values += static_cast<int>(values[0]);
   book_.unpack(static_cast<std::size_t>(particle), values + 1);

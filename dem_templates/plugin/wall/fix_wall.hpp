@@ -57,6 +57,7 @@ class FixWall : public LAMMPS_NS::Fix {
     // a run goes on over a restart with the very same angles.
     double start_angle = 0.0, angle_per_step = 0.0;
     long start_step = -1;
+    bool turned = false;
     Turn turn;  ///< now
     double sums[kSums] = {};
 
@@ -79,16 +80,17 @@ class FixWall : public LAMMPS_NS::Fix {
   void push(bool frozen);
   void push(int particle, std::size_t body, TouchBook::Page& before, bool frozen);
 
-  std::vector<Look>::iterator looks_of(int particle) {
-    return looks_.begin() + static_cast<std::ptrdiff_t>(particle) * static_cast<std::ptrdiff_t>(bodies_.size());
-  }
+  std::size_t first_look_of(int particle) const { return static_cast<std::size_t>(particle) * bodies_.size(); }
+  void forget_looks(int particle);
 
   int type_ = 1;
   RollingModel rolling_ = RollingModel::none;
   bool cohesion_ = false;
   std::vector<Body> bodies_;
   TouchBook book_;
-  std::vector<Look> looks_;  ///< of particle i and body b: i n_bodies + b. Nothing depends on them but the speed.
+  // Of particle i and body b: i n_bodies + b. Nothing depends on them but the speed.
+  std::vector<Look> looks_;
+  std::vector<Nearby> nearby_;
 
   // LIGGGHTS' registry writes through the addresses of these.
   double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,

@@ -17,7 +17,7 @@ SurfaceTouch touch_from(const Vector3& centre, const Vector3& point, double dist
 
 }  // namespace
 
-double PlaneSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+double PlaneSurface::touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) {
   found.clear();
   const double height = dot(centre - point_, normal_);
   if (std::abs(height) < radius)
@@ -25,7 +25,7 @@ double PlaneSurface::touches(const Vector3& centre, double radius, std::vector<S
   return std::abs(height);
 }
 
-double CylinderSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+double CylinderSurface::touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) {
   found.clear();
   const Vector3 from_point = centre - point_;
   const Vector3 outwards = from_point - dot(from_point, axis_) * axis_;
@@ -43,8 +43,11 @@ MeshSurface::MeshSurface(std::vector<Triangle> triangles, double smooth)
     const auto& [a, b, c] = triangle;
     const Vector3 ab = b - a, ac = c - a, area = cross(ab, ac);
     const double bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac), whole = bb * cc - bc * bc;
+    const Vector3 normal = (1.0 / norm(area)) * area;
+    const Vector3 to_b = (1.0 / whole) * (cc * ab - bc * ac), to_c = (1.0 / whole) * (bb * ac - bc * ab);
+    planes_.push_back({normal, dot(normal, a)});
     faces_.push_back(
-        {a, (1.0 / norm(area)) * area, (1.0 / whole) * (cc * ab - bc * ac), (1.0 / whole) * (bb * ac - bc * ab)});
+        {to_b, to_c, dot(to_b, a), dot(to_c, a), {1.0 / norm(to_b + to_c), 1.0 / norm(to_b), 1.0 / norm(to_c)}});
     for (const Vector3& corner : triangle) {
       for (std::size_t d = 0; d < 3; ++d) {
         low[d] = std::min(low[d], corner[d]);
@@ -88,7 +91,7 @@ void MeshSurface::build_cells(double reach) {
         for (long k = first[2]; k <= last[2]; ++k) {
           const Vector3 middle = low_ + cell_size_ * Vector3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
                                                              static_cast<double>(k) + 0.5};
-          if (std::abs(dot(middle - faces_[t].corner, faces_[t].normal)) > half_diagonal + reach) continue;
+          if (std::abs(dot(middle, planes_[t].normal) - planes_[t].offset) > half_diagonal + reach) continue;
           if (norm(middle - nearest_point(triangle, middle)) <= half_diagonal + reach)
             pairs.emplace_back(cell_index(i, j, k), t);
         }
@@ -103,34 +106,79 @@ void MeshSurface::build_cells(double reach) {
   for (const auto& [cell, triangle] : pairs) entries_[next[cell]++] = triangle;
 }
 
-double MeshSurface::touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) {
+// A lower bound of the squared distance: to the plane, and to the farthest side's line that the point is beyond of.
+double MeshSurface::least_distance2(std::uint32_t t, const Vector3& point) const {
+  const double height = dot(point, planes_[t].normal) - planes_[t].offset;
+  const Face& face = faces_[t];
+  const double of_b = dot(point, face.to_b) - face.b, of_c = dot(point, face.to_c) - face.c, of_a = 1.0 - of_b - of_c;
+  const double beyond = std::max({0.0, -of_a * face.heights[0], -of_b * face.heights[1], -of_c * face.heights[2]});
+  return height * height + beyond * beyond;
+}
+
+std::span<const std::uint32_t> MeshSurface::cell_at(const Vector3& centre) const {
+  std::array<long, 3> cell{};
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double place = (centre[d] - low_[d]) / cell_size_;
+    if (!(place >= 0.0 && place < static_cast<double>(n_cells_[d]))) return {};
+    cell[d] = static_cast<long>(place);
+  }
+  const std::size_t c = cell_index(cell[0], cell[1], cell[2]);
+  return std::span(entries_).subspan(first_[c], first_[c + 1] - first_[c]);
+}
+
+void MeshSurface::search(const Vector3& centre, std::span<const std::uint32_t> cell, Nearby& nearby) const {
+  nearby.place = centre;
+  nearby.complete = reach_;
+  nearby.n = 0;
+  for (const std::uint32_t t : cell) {
+    if (least_distance2(t, centre) >= reach_ * reach_) continue;
+    if (nearby.n == Nearby::kMost) {
+      nearby.complete = 0.0;
+      return;
+    }
+    nearby.triangle[nearby.n++] = t;
+  }
+}
+
+double MeshSurface::touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) {
   found.clear();
   if (radius > largest_radius_) {
     largest_radius_ = 1.02 * radius;
     build_cells(kReach * radius);
   }
-  std::array<long, 3> cell{};
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double place = (centre[d] - low_[d]) / cell_size_;
-    if (!(place >= 0.0 && place < static_cast<double>(n_cells_[d]))) return reach_;
-    cell[d] = static_cast<long>(place);
+  const Vector3 moved = centre - nearby.place;
+  const double room = nearby.complete - radius;
+  std::span<const std::uint32_t> candidates(nearby.triangle.data(), nearby.n);
+  double clear = reach_;
+  if (room > 0.0 && dot(moved, moved) < room * room) {
+    clear = nearby.complete - norm(moved);
+  } else {
+    const auto cell = cell_at(centre);
+    search(centre, cell, nearby);
+    candidates = nearby.complete > 0.0 ? std::span<const std::uint32_t>(nearby.triangle.data(), nearby.n) : cell;
   }
-  const std::size_t c = cell_index(cell[0], cell[1], cell[2]);
 
   near_.clear();
-  double clear2 = reach_ * reach_;
-  for (std::uint32_t e = first_[c]; e < first_[c + 1]; ++e) {
-    const std::uint32_t t = entries_[e];
-    const Face& face = faces_[t];
-    const Vector3 from_corner = centre - face.corner;
-    const double height = dot(from_corner, face.normal);
+  double clear2 = clear * clear;
+  for (const std::uint32_t t : candidates) {
+    const Plane& plane = planes_[t];
+    const double height = dot(centre, plane.normal) - plane.offset;
     if (std::abs(height) >= radius) {
       clear2 = std::min(clear2, height * height);
       continue;
     }
-    const double to_b = dot(from_corner, face.to_b), to_c = dot(from_corner, face.to_c);
-    if (to_b >= 0.0 && to_c >= 0.0 && to_b + to_c <= 1.0) {
-      near_.push_back({touch_from(centre, centre - height * face.normal, std::abs(height), face.normal), t, true});
+    const Face& face = faces_[t];
+    const double of_b = dot(centre, face.to_b) - face.b, of_c = dot(centre, face.to_c) - face.c;
+    const double of_a = 1.0 - of_b - of_c;
+    if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0) {
+      near_.push_back({touch_from(centre, centre - height * plane.normal, std::abs(height), plane.normal), t, true});
+      continue;
+    }
+    // The farthest side that the centre is beyond of keeps at least this distance.
+    const double beyond = std::max({-of_a * face.heights[0], -of_b * face.heights[1], -of_c * face.heights[2]});
+    const double least2 = height * height + beyond * beyond;
+    if (least2 >= radius * radius) {
+      clear2 = std::min(clear2, least2);
       continue;
     }
     const Vector3 point = nearest_point(triangles_[t], centre);
@@ -138,7 +186,7 @@ double MeshSurface::touches(const Vector3& centre, double radius, std::vector<Su
     const double distance2 = dot(away, away);
     clear2 = std::min(clear2, distance2);
     if (distance2 < radius * radius)
-      near_.push_back({touch_from(centre, point, std::sqrt(distance2), face.normal), t, false});
+      near_.push_back({touch_from(centre, point, std::sqrt(distance2), plane.normal), t, false});
   }
   if (near_.empty()) return std::sqrt(clear2);
 
@@ -170,9 +218,9 @@ bool MeshSurface::comes_nearer_elsewhere(const Candidate& candidate) const {
 bool MeshSurface::hidden(const Vector3& centre, const Candidate& candidate) const {
   for (const Candidate& other : near_) {
     if (other.touch.distance >= candidate.touch.distance) return false;
-    const Face& face = faces_[other.triangle];
-    const double above = dot(centre - face.corner, face.normal);
-    const double below = dot(candidate.touch.point - face.corner, face.normal);
+    const Plane& plane = planes_[other.triangle];
+    const double above = dot(centre, plane.normal) - plane.offset;
+    const double below = dot(candidate.touch.point, plane.normal) - plane.offset;
     if (above * below >= 0.0 || std::abs(below) <= same_point_) continue;
     const Vector3 crossing = centre + (above / (above - below)) * (candidate.touch.point - centre);
     if (norm(crossing - nearest_point(triangles_[other.triangle], crossing)) <= same_point_) return true;

@@ -1,8 +1,10 @@
 // The surface of a body, in the body's own frame: where spheres touch it. Pure geometry, built once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "dem_templates/plugin/resize/triangles.hpp"
@@ -16,20 +18,31 @@ struct SurfaceTouch {
   Vector3 normal{};       ///< unit vector from there to the centre
 };
 
+/// What was near a sphere's centre when it was last searched for: good until the centre has moved too far. Starts empty
+/// and costs only time when it is lost.
+struct Nearby {
+  static constexpr std::size_t kMost = 15;
+
+  Vector3 place{};        ///< of the centre then
+  double complete = 0.0;  ///< everything nearer to that place is listed [m]
+  std::uint32_t n = 0;
+  std::array<std::uint32_t, kMost> triangle;
+};
+
 class Surface {
  public:
   virtual ~Surface() = default;
   /// Sets `found` to the touches of a sphere, nearest first: one for each patch of the surface it leans on. Returns a
   /// distance that the surface keeps from the centre for certain [m]: the centre need not be looked at again before it
   /// has moved by that less the radius.
-  virtual double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) = 0;
+  virtual double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) = 0;
 };
 
 /// An endless plane with two sides.
 class PlaneSurface : public Surface {
  public:
   PlaneSurface(const Vector3& point, const Vector3& unit_normal) : point_(point), normal_(unit_normal) {}
-  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
 
  private:
   Vector3 point_, normal_;
@@ -40,7 +53,7 @@ class CylinderSurface : public Surface {
  public:
   CylinderSurface(const Vector3& point, const Vector3& unit_axis, double radius)
       : point_(point), axis_(unit_axis), radius_(radius) {}
-  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
 
  private:
   Vector3 point_, axis_;
@@ -57,15 +70,22 @@ class MeshSurface : public Surface {
  public:
   /// smooth: [rad].
   MeshSurface(std::vector<Triangle> triangles, double smooth);
-  double touches(const Vector3& centre, double radius, std::vector<SurfaceTouch>& found) override;
+  double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
 
   std::size_t n_triangles() const { return triangles_.size(); }
 
  private:
-  /// What the distance to the inside of a triangle takes: p's height above the plane and its barycentric coordinates
-  /// are dot products.
+  /// The plane of a triangle: most candidates are too far from it, so it is kept apart from the rest.
+  struct Plane {
+    Vector3 normal;
+    double offset;  ///< of the plane along the normal [m]
+  };
+  /// Barycentric coordinates of p, as dot(p, to_b) - b: below 0 by as many times as `heights` (of the corners a, b, c
+  /// over their sides) as p lies beyond that side.
   struct Face {
-    Vector3 corner, normal, to_b, to_c;
+    Vector3 to_b, to_c;
+    double b, c;
+    Vector3 heights;
   };
   struct Candidate {
     SurfaceTouch touch;
@@ -74,6 +94,11 @@ class MeshSurface : public Surface {
   };
 
   void build_cells(double reach);
+  /// Triangles of the cell that the centre is in.
+  std::span<const std::uint32_t> cell_at(const Vector3& centre) const;
+  /// Those of them that may be nearer than the reach, if there are not too many.
+  void search(const Vector3& centre, std::span<const std::uint32_t> cell, Nearby& nearby) const;
+  double least_distance2(std::uint32_t triangle, const Vector3& point) const;
   bool comes_nearer_elsewhere(const Candidate& candidate) const;
   bool hidden(const Vector3& centre, const Candidate& candidate) const;
   std::size_t cell_index(long i, long j, long k) const {
@@ -81,6 +106,7 @@ class MeshSurface : public Surface {
   }
 
   std::vector<Triangle> triangles_;
+  std::vector<Plane> planes_;
   std::vector<Face> faces_;
   double same_point_ = 0.0;  ///< points nearer than this are one: the digits of an STL file [m]
   double same_direction_;    ///< cosine
