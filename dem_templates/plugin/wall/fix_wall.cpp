@@ -1,11 +1,13 @@
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
+#include <fmt/format.h>
 #include <mpi.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <set>
+#include <limits>
+#include <utility>
 
 #include <atom.h>
 #include <comm.h>
@@ -168,7 +170,27 @@ void FixWall::init() {
     body.start_step = step;
     body.angle_per_step = per_step;
   }
+  end_if_failed(world, check_steps());
 }
+
+// At half a radius a step the blade is seen at least once before it reaches a centre.
+Status FixWall::check_steps() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < atom->nlocal; ++i) smallest = std::min(smallest, atom->radius[i]);
+  for (const Body& body : bodies_) {
+    const double way =
+        std::abs(body.angle_per_step) * body.surface->farthest_from(body.rotation.origin, body.rotation.axis);
+    if (way > 0.5 * smallest)
+      return Error{fmt::format(
+          "fix {} (granary/wall): body '{}' goes {:.3g} m a step at its tip; at most half the smallest particle's "
+          "radius "
+          "({:.3g} m) lets no particle slip through. Take a time step below {:.3g} s. See docs/dem_styles.md.",
+          id, body.name, way, 0.5 * smallest, 0.5 * smallest / way * update->dt)};
+  }
+  return {};
+}
+
+double FixWall::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
 
 void FixWall::read_materials() {
   PropertyRegistry& registry = force->registry;
@@ -245,6 +267,7 @@ void FixWall::push(int i, std::size_t b, TouchBook::Page& before, bool frozen) {
                                 .velocity = velocity - cross(wall_spin, touch.point - body.rotation.origin),
                                 .spin = body.turn.to_body(vector_of(atom->omega[i])),
                                 .wall_spin = wall_spin};
+    largest_overlap_ = std::max(largest_overlap_, approach.overlap / approach.radius);
     RememberedTouch remembered = before.take(number, touch.normal);
     const WallForce pushed = wall_force(materials_[static_cast<std::size_t>(atom->type[i])], rolling_, approach,
                                         update->dt, frozen, remembered.history);

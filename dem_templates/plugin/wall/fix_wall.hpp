@@ -9,6 +9,7 @@
 
 #include <fix.h>
 
+#include "common/result.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
 #include "dem_templates/plugin/wall/surface.hpp"
 #include "dem_templates/plugin/wall/touch_book.hpp"
@@ -24,6 +25,9 @@ class FixWall : public LAMMPS_NS::Fix {
   std::vector<std::string> body_names() const;
   /// The named body for the tally and the guard; nullptr if there is none. Lives no longer than this fix.
   std::unique_ptr<Wall> body(const std::string& name);
+
+  /// The largest overlap with a body at any step since the last call, over the particle's radius; of this rank.
+  double take_largest_overlap();
 
   // What LIGGGHTS calls.
   int setmask() override;
@@ -75,6 +79,8 @@ class FixWall : public LAMMPS_NS::Fix {
   void read(FixArguments& arguments);
   void add_body(FixArguments& arguments, const std::string& name, std::unique_ptr<Surface> surface);
   void read_materials();
+  /// Error: a body goes so far in a step that it could pass a particle unseen.
+  Status check_steps() const;
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
@@ -99,6 +105,7 @@ class FixWall : public LAMMPS_NS::Fix {
 
   std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
   TouchBook::Page now_;              ///< scratch: of one particle
+  double largest_overlap_ = 0.0;
   bool said_full_ = false;
   long summed_step_ = -1;
   std::vector<double> summed_;  ///< over all ranks, at summed_step_

@@ -7,7 +7,7 @@ namespace granary::dem {
 namespace {
 
 constexpr double kMostCells = 5e5;
-constexpr double kReach = 1.5;  // of the largest radius: a farther look costs more, but lasts longer
+constexpr double kReach = 2.0;  // of the largest radius: a farther look costs more, but lasts longer
 
 // Towards the centre; where the centre lies in the surface, the surface's own normal.
 SurfaceTouch touch_from(const Vector3& centre, const Vector3& point, double distance, const Vector3& own_normal) {
@@ -58,8 +58,15 @@ MeshSurface::MeshSurface(std::vector<Triangle> triangles, double smooth)
   same_point_ = 1e-6 * norm(high - low);
 }
 
-// Cells are as wide as the reach, or wider where the body has more room than memory should go to. In each the triangles
-// that come nearer to some point of it than the reach.
+double MeshSurface::farthest_from(const Vector3& origin, const Vector3& unit_axis) const {
+  double farthest = 0.0;
+  for (const Triangle& triangle : triangles_)
+    for (const Vector3& corner : triangle) farthest = std::max(farthest, norm(cross(unit_axis, corner - origin)));
+  return farthest;
+}
+
+// Cells are half as wide as the reach, or wider where the body has more room than memory should go to. In each the
+// triangles that come nearer to some point of it than the reach.
 void MeshSurface::build_cells(double reach) {
   reach_ = reach;
   low_ = triangles_[0][0];

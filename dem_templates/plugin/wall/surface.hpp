@@ -36,6 +36,8 @@ class Surface {
   /// distance that the surface keeps from the centre for certain [m]: the centre need not be looked at again before it
   /// has moved by that less the radius.
   virtual double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) = 0;
+  /// Largest distance of a point of it from an axis [m]; 0 for endless surfaces.
+  virtual double farthest_from(const Vector3& /*origin*/, const Vector3& /*unit_axis*/) const { return 0.0; }
 };
 
 /// An endless plane with two sides.
@@ -72,7 +74,7 @@ class MeshSurface : public Surface {
   MeshSurface(std::vector<Triangle> triangles, double smooth);
   double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
 
-  std::size_t n_triangles() const { return triangles_.size(); }
+  double farthest_from(const Vector3& origin, const Vector3& unit_axis) const override;
 
  private:
   /// The plane of a triangle: most candidates are too far from it, so it is kept apart from the rest.
