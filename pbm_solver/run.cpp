@@ -12,6 +12,7 @@
 #include "common/json/io.hpp"
 #include "common/log.hpp"
 #include "pbm_solver/case/pbm_case.hpp"
+#include "pbm_solver/model/simd/operations.hpp"
 #include "pbm_solver/output/state_file.hpp"
 #include "pbm_solver/output/summary.hpp"
 #include "pbm_solver/parallel/rank_exchange.hpp"
@@ -152,7 +153,10 @@ json::Value report(const RunOptions& options, const Run& run, const Simulation& 
                               {"cpu_s", cost.cpu},
                               {"steps", cost.work.steps},
                               {"rejected", cost.work.rejected},
+                              {"implicit_steps", cost.work.implicit_steps},
                               {"rhs_evaluations", cost.work.rhs_evaluations},
+                              {"instruction_set", simd::instruction_set()},
+                              {"kernel_error", simulation.kernel_error()},
                               {"out", options.out.string()}});
 }
 

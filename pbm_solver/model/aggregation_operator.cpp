@@ -9,7 +9,7 @@ namespace granary::pbm {
 namespace {
 
 using Form = AggregationTables::Form;
-constexpr std::size_t kMostTerms = 60;
+constexpr std::size_t kMostTerms = 120;  // what then is left of the error is reported: kernel_error()
 
 long pairs_of(const ClassGrid& grid) {
   const auto n = static_cast<long>(grid.size());

@@ -30,6 +30,13 @@ void CompartmentRow::pack(std::span<const double> compartment, std::size_t x, st
   for (std::size_t e = 0; e < compartment.size(); ++e) to[e * lanes_] = compartment[e];
 }
 
+double CompartmentRow::kernel_error() const {
+  double largest = 0.0;
+  for (const CompartmentBlock& block : blocks_)
+    if (block.aggregation() != nullptr) largest = std::max(largest, block.aggregation()->kernel_error());
+  return largest;
+}
+
 template <class Do>
 void CompartmentRow::for_each_block(Do&& each) {
   const int n = static_cast<int>(blocks_.size());

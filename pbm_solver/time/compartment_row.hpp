@@ -37,6 +37,10 @@ class CompartmentRow {
   void unpack(std::span<const double> state, std::size_t x, std::span<double> compartment) const;
   void pack(std::span<const double> compartment, std::size_t x, std::span<double> state) const;
 
+  /// Largest error of a low-rank kernel in this rank's compartments, over the collision rate; 0 where kernels are
+  /// exact.
+  double kernel_error() const;
+
   /// Before a step from `state`. afresh: what looks at particles is worked out even if none has moved, so that a
   /// restart from here finds the same. Collective.
   void begin_step(std::span<const double> state, bool afresh);

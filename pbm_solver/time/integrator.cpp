@@ -10,8 +10,6 @@ namespace granary::pbm {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNegligible =
-    1e-15;                         // of the tolerance: share that may pass through stiff classes of an explicit step
 constexpr double kNegative = 0.1;  // of the tolerance: share of what is held that may be below 0 in a stage
 constexpr double kLongestGrowth = 3.0;
 constexpr int kMostAttempts = 200;

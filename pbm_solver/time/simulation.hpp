@@ -22,6 +22,8 @@ class Simulation {
 
   double time() const { return time_; }
   double next_step() const { return next_step_; }
+  /// See CompartmentRow::kernel_error(); of this rank.
+  double kernel_error() const { return row_.kernel_error(); }
   const WorkCount& work() const { return integrator_.work(); }
   const ClassGrid& grid() const { return tables_->grid; }
   const PbmCase& pbm_case() const { return tables_->pbm_case; }
