@@ -37,8 +37,7 @@ double CompartmentRow::kernel_error() const {
   return largest;
 }
 
-template <class Do>
-void CompartmentRow::for_each_block(Do&& each) {
+void CompartmentRow::for_each_block(const std::function<void(std::size_t)>& each) const {
   const int n = static_cast<int>(blocks_.size());
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(threads_, n)) if (threads_ > 1 && n > 1)
   for (int b = 0; b < n; ++b) each(static_cast<std::size_t>(b));

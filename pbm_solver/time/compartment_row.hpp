@@ -1,6 +1,7 @@
 // The compartments of one rank as one system of ordinary differential equations, computed by its threads.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -56,9 +57,10 @@ class CompartmentRow {
   /// At the last rates(): loss rate per particle [1/s], [class][lane] of block b.
   std::span<const double> loss_rate(std::size_t b) const { return blocks_[b].loss_rate(); }
 
+  /// each(b) for every block, shared by the threads always in the same way, so that what a core wrote last is near it.
+  void for_each_block(const std::function<void(std::size_t)>& each) const;
+
  private:
-  template <class Do>
-  void for_each_block(Do&& each);
   void follow_particles(std::span<const double> state, bool afresh);
   void read_carry(std::span<const double> state, std::size_t b);
 

@@ -97,7 +97,7 @@ double Integrator::limit_first_stage(std::span<const double> state, Inputs input
   if (smallest(any ? 0.0 : 1.0) == 0.0) {
     evaluate(state, small_.participation(), inputs, e_[0]);
   } else {
-    e_[0] = first_rates_;
+    combine(first_rates_.data(), {}, e_[0], threads_);
   }
   return h;
 }
@@ -112,7 +112,7 @@ void Integrator::take_stage(std::span<const double> state, std::size_t i, double
   }
   if (!method_->implicit()) return combine(state.data(), std::span(terms).first(n), stage_, threads_);
   combine(state.data(), std::span(terms).first(n), right_hand_side_, threads_);
-  stage_ = right_hand_side_;
+  combine(right_hand_side_.data(), {}, stage_, threads_);
   const double gamma = h * method_->gamma;
   stiff_.solve(gamma, stage_);
   const std::array<Term, 2> change{{{1.0 / gamma, stage_.data()}, {-1.0 / gamma, right_hand_side_.data()}}};
@@ -202,7 +202,7 @@ Result<Integrator::Step> Integrator::step(std::span<double> state, double time, 
     last = judge();
     repeat = last.verdict == Verdict::throttle && attempt % 8 != 7;
     if (last.verdict == Verdict::fine && last.error <= 1.0) {
-      std::copy(stage_.begin(), stage_.end(), state.begin());
+      combine(stage_.data(), {}, state, threads_);
       ++work_.steps;
       if (method_->implicit()) ++work_.implicit_steps;
       return Step{h, next_step(h, longest, h == asked && h < longest, last.error)};

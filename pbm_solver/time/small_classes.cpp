@@ -158,8 +158,9 @@ bool SmallClasses::slow_down(std::span<const double> rates, double h) {
 }
 
 void SmallClasses::check(std::span<const double> stage, double h, bool tolerant, std::span<Negative> accounts) {
+  const std::vector<char> negative = negative_blocks(*row_, stage);
   for (std::size_t b = 0; b < row_->blocks(); ++b)
-    if (any_negative(*row_, stage, b)) check_block(b, stage, h, tolerant, accounts);
+    if (negative[b]) check_block(b, stage, h, tolerant, accounts);
 }
 
 void SmallClasses::check_block(std::size_t b, std::span<const double> stage, double h, bool tolerant,

@@ -51,13 +51,17 @@ void combine(const double* base, std::span<const Term> terms, std::span<double> 
   }
 }
 
-bool any_negative(const CompartmentRow& row, std::span<const double> state, std::size_t b) {
-  return any_below_0(&state[b * row.stride()], 3 * row.classes() * row.lanes());
+std::vector<char> negative_blocks(const CompartmentRow& row, std::span<const double> state) {
+  std::vector<char> negative(row.blocks());
+  row.for_each_block([&](std::size_t b) {
+    negative[b] = any_below_0(&state[b * row.stride()], 3 * row.classes() * row.lanes()) ? 1 : 0;
+  });
+  return negative;
 }
 
 void sum_magnitudes(const CompartmentRow& row, std::span<const double> state, std::span<Held> sums) {
   const std::size_t each = row.classes() * row.lanes();
-  for (std::size_t b = 0; b < row.blocks(); ++b) {
+  row.for_each_block([&](std::size_t b) {
     const double* field = &state[b * row.stride()];
     std::array<Sums, 4> by_lane{};
     add_magnitudes(nullptr, field, each, by_lane[0].data());
@@ -70,7 +74,7 @@ void sum_magnitudes(const CompartmentRow& row, std::span<const double> state, st
         if (row.lanes() == 1)
           for (const double part : by_lane[q]) sums[x][q] += part;
       }
-  }
+  });
 }
 
 }  // namespace granary::pbm

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "pbm_solver/time/compartment_row.hpp"
 
@@ -19,8 +20,8 @@ struct Term {
 /// out = base + sum of the terms, in their order. `base` null: 0. out may be base.
 void combine(const double* base, std::span<const Term> terms, std::span<double> out, int threads);
 
-/// Whether any number, liquid or gas of block b is below 0.
-bool any_negative(const CompartmentRow& row, std::span<const double> state, std::size_t b);
+/// For each block whether any number, liquid or gas is below 0.
+std::vector<char> negative_blocks(const CompartmentRow& row, std::span<const double> state);
 
 /// What a state holds, or an error amounts to, in one compartment: sums of magnitudes over its classes.
 using Held = std::array<double, 4>;  ///< number, solid volume, liquid, gas
