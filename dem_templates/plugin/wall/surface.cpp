@@ -133,18 +133,27 @@ std::span<const std::uint32_t> MeshSurface::cell_at(const Vector3& centre) const
   return std::span(entries_).subspan(first_[c], first_[c + 1] - first_[c]);
 }
 
+// Where there are too many, the nearest are kept: the list is good for a shorter way.
 void MeshSurface::search(const Vector3& centre, std::span<const std::uint32_t> cell, Nearby& nearby) const {
-  nearby.place = centre;
-  nearby.complete = reach_;
+  std::array<double, Nearby::kMost> listed;  // squared distances
+  double complete2 = reach_ * reach_;
   nearby.n = 0;
   for (const std::uint32_t t : cell) {
-    if (least_distance2(t, centre) >= reach_ * reach_) continue;
+    double distance2 = least_distance2(t, centre);
+    if (distance2 >= complete2) continue;
+    std::size_t place = nearby.n;
     if (nearby.n == Nearby::kMost) {
-      nearby.complete = 0.0;
-      return;
+      place = static_cast<std::size_t>(std::max_element(listed.begin(), listed.end()) - listed.begin());
+      complete2 = std::max(distance2, listed[place]);
+      if (distance2 >= listed[place]) continue;
+    } else {
+      ++nearby.n;
     }
-    nearby.triangle[nearby.n++] = t;
+    listed[place] = distance2;
+    nearby.triangle[place] = t;
   }
+  nearby.place = centre;
+  nearby.complete = std::sqrt(complete2);
 }
 
 double MeshSurface::touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) {
@@ -162,7 +171,8 @@ double MeshSurface::touches(const Vector3& centre, double radius, Nearby& nearby
   } else {
     const auto cell = cell_at(centre);
     search(centre, cell, nearby);
-    candidates = nearby.complete > 0.0 ? std::span<const std::uint32_t>(nearby.triangle.data(), nearby.n) : cell;
+    candidates = nearby.complete > radius ? std::span<const std::uint32_t>(nearby.triangle.data(), nearby.n) : cell;
+    if (nearby.complete > radius) clear = nearby.complete;
   }
 
   near_.clear();

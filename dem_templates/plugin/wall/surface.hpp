@@ -98,7 +98,7 @@ class MeshSurface : public Surface {
   void build_cells(double reach);
   /// Triangles of the cell that the centre is in.
   std::span<const std::uint32_t> cell_at(const Vector3& centre) const;
-  /// Those of them that may be nearer than the reach, if there are not too many.
+  /// Those of them that may be nearer than the reach, or as many of the nearest as can be listed.
   void search(const Vector3& centre, std::span<const std::uint32_t> cell, Nearby& nearby) const;
   double least_distance2(std::uint32_t triangle, const Vector3& point) const;
   bool comes_nearer_elsewhere(const Candidate& candidate) const;
