@@ -264,9 +264,9 @@ TEST(Wall, LetsAParticleSlideAndRollOverSeamsWithoutABump) {
   folder.write("two.stl", stl(floor_of(1)));
   folder.write("many.stl", stl(floor_of(40)));
   const Law law{.models = "rolling_friction epsd2"};
-  const std::string end = particles({{-0.03, -0.03, 0.00199, 0.8, 0.5, 0, 0.004},
-                                     {-0.03, 0.0, 0.00199, 0.9, 0, 0, 0.004},
-                                     {0.01, 0.0101, 0.00199, 0, -0.6, 0, 0.004}}) +
+  const std::string end = particles({{-0.03, -0.03, 0.001999, 0.8, 0.5, 0, 0.004},
+                                     {-0.03, 0.0, 0.001999, 0.9, 0, 0, 0.004},
+                                     {0.01, 0.0101, 0.001999, 0, -0.6, 0, 0.004}}) +
                           run(8000, 10);
 
   const auto plane = frames_of(folder, deck(law) + ours("plane floor 0 0 0 0 0 1", law) + end);
@@ -305,6 +305,20 @@ TEST(Wall, PushesFromAnEdgeAndFromAVertexOnceTowardsTheCentre) {
     const Point at_face = force_at(cube, {off, -0.0025, -0.0025});  // n = 4: where four cells meet
     EXPECT_NEAR(at_face[0], push, 1e-9 * push);
     EXPECT_NEAR(std::hypot(at_face[1], at_face[2]), 0.0, 1e-9 * push);
+  }
+}
+
+// Deep enough to reach over seams and over the edge of the body: their triangles are not touched beside the face.
+TEST(Wall, PushesOnceBesideSeamsAndEdges) {
+  const double radius = 0.002, overlap = 1e-4, push = hertz(radius, overlap);
+  for (const double beside : {0.1e-3, 0.3e-3, 0.5e-3}) {
+    const auto fine = sheet({-0.012, -0.012, 0}, {0.024, 0, 0}, {0, 0.024, 0}, 24);
+    const Point on_sheet = force_at(fine, {0.002 + beside, 0.001 + 0.5 * beside, radius - overlap});
+    EXPECT_NEAR(on_sheet[2], push, 1e-9 * push) << beside;
+    EXPECT_NEAR(std::hypot(on_sheet[0], on_sheet[1]), 0.0, 1e-9 * push) << beside;
+    const Point by_edge = force_at(box({-0.01, -0.01, -0.01}, {0, 0, 0}, 2), {-beside, -0.0031, radius - overlap});
+    EXPECT_NEAR(by_edge[2], push, 1e-9 * push) << beside;
+    EXPECT_NEAR(std::hypot(by_edge[0], by_edge[1]), 0.0, 1e-9 * push) << beside;
   }
 }
 
@@ -353,7 +367,7 @@ TEST(Wall, MeetsAThinBladeFromBothSidesAndOnlyOnce) {
   auto wedge = sheet({0, -0.01, 0}, {0.02, 0, 0}, {0, 0.02, 0});
   const auto below = sheet({0, -0.01, 0}, {0.02, 0, -0.02 * slope}, {0, 0.02, 0});
   wedge.insert(wedge.end(), below.begin(), below.end());
-  const Point force = force_at(wedge, {0.0005, 0.0, off});
+  const Point force = force_at(wedge, {0.001, 0.0, off});
   EXPECT_NEAR(force[2], push, 1e-9 * push);
   EXPECT_NEAR(force[0], 0.0, 1e-9 * push);
 }
@@ -505,7 +519,7 @@ TEST(Wall, CarriesTheHistoryOfATouchFromRankToRank) {
   Law law{.models = "rolling_friction epsd2"};
   const std::string end =
       ours("plane floor 0 0 0 0 0 1", law) +
-      particles({{-0.004, 0.001, 0.00199, 0.4, 0, 0, 0.004}, {0.004, 0.02, 0.00199, -0.4, 0, 0, 0.004}}) +
+      particles({{-0.004, 0.001, 0.001999, 0.4, 0, 0, 0.004}, {0.004, 0.02, 0.001999, -0.4, 0, 0, 0.004}}) +
       run(6000, 20);
   const auto one = frames_of(folder, deck(law) + end);
   law.more = "processors 2 1 1\n";
