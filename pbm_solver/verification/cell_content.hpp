@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "pbm_solver/model/cell_average.hpp"
 #include "pbm_solver/model/class_grid.hpp"
+#include "pbm_solver/verification/cell_average.hpp"
 
 namespace granary::pbm::exact {
 

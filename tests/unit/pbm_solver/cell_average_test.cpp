@@ -1,4 +1,4 @@
-#include "pbm_solver/model/cell_average.hpp"
+#include "pbm_solver/verification/cell_average.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

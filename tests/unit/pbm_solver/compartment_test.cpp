@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "pbm_solver/model/cell_average.hpp"
+#include "pbm_solver/verification/cell_average.hpp"
 #include "tests/support/pbm_cases.hpp"
 
 namespace granary::pbm {

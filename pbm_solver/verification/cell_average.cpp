@@ -1,4 +1,4 @@
-#include "pbm_solver/model/cell_average.hpp"
+#include "pbm_solver/verification/cell_average.hpp"
 
 namespace granary::pbm {
 namespace {

@@ -1,5 +1,5 @@
-// Births collected cell by cell, then shared with the neighbouring pivots on the side of their mean: the cell average
-// technique.
+// The cell average written plainly, pair by pair and cell by cell: how the exact cases put their start on the pivots,
+// and what the solver's own sharing (model/simd) is held against in tests.
 #pragma once
 
 #include <span>
