@@ -28,7 +28,7 @@ struct AggregationTables {
   enum class Form { groups, factors, pairs, low_rank };
   /// Of the table of beta in all blocks [bytes]. Measured: up to there reading it costs less than the terms of a
   /// low-rank form.
-  static constexpr double kLargestTable = 1e9;
+  static constexpr double kLargestTable = 2e9;
 
   AggregationTables(const PbmCase& pbm_case, const ClassGrid& grid);
 

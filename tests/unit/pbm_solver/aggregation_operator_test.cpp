@@ -248,7 +248,7 @@ TEST(AggregationOperator, OfLowRankIsAsNearToTheKernelAsItsToleranceSaysForNearl
 TEST(AggregationOperator, ChoosesTheFormByKernelEfficiencyAndSize) {
   PbmCase c = testing::a_granulator(16, 16);
   EXPECT_EQ(AggregationTables(c, ClassGrid(c.grid)).form, Form::pairs);
-  c.grid.bins = {64, 64};
+  c.grid.bins = {80, 80};
   c.grid.ratio = {1.3, 1.3};
   EXPECT_EQ(AggregationTables(c, ClassGrid(c.grid)).form, Form::low_rank);
   c.kernel_tolerance = 0.0;
