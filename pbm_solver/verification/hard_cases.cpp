@@ -187,8 +187,7 @@ int verify_hard(const std::string& name, bool as_json) {
   bool passed = true, any = false;
   Value cases = Value::array();
   if (!as_json)
-    fmt::print(kRow, "hard case", "bins", "error", "bound", "least", "drift", "steps", "impl.", "rhs", "ok",
-               "cpu s");
+    fmt::print(kRow, "hard case", "bins", "error", "bound", "least", "drift", "steps", "impl.", "rhs", "ok", "cpu s");
   for (const HardCase& known : hard_cases()) {
     if (!name.empty() && known.name != name) continue;
     any = true;

@@ -93,7 +93,8 @@ int verify_exact(const VerifyOptions& options) {
 CLI::App* add_verify_command(CLI::App& app, VerifyOptions& options) {
   CLI::App* command = app.add_subcommand("verify", "solve cases with exact solutions and judge the errors");
   command->footer(kExamples);
-  command->add_option("CASE", options.name, "a case of docs/verification.md, all of them, or hard")->capture_default_str();
+  command->add_option("CASE", options.name, "a case of docs/verification.md, all of them, or hard")
+      ->capture_default_str();
   command->add_option("--bins", options.bins, "classes along each solid, instead of the case's own grids");
   command->add_option("--tolerance", options.tolerance, "relative tolerance of the time steps")
       ->check(CLI::Range(1e-12, 0.1))
