@@ -35,8 +35,8 @@ void SmallClasses::begin_step(std::span<const double> state, std::span<const Hel
 void SmallClasses::set_losses(std::span<const double> implicit_rate) {
   const std::size_t each = row_->classes() * row_->lanes();
   caution_ = implicit_rate.empty() ? kCaution : 1.0;
-  std::array<double, kLanes> largest{};
-  for (std::size_t b = 0; b < row_->blocks(); ++b) {
+  std::vector<double> fastest(row_->blocks(), 0.0);
+  row_->for_each_block([&](std::size_t b) {
     const double* all = row_->loss_rate(b).data();
     double* loss = &loss_[b * each];
     std::copy_n(all, each, &all_loss_[b * each]);
@@ -46,12 +46,14 @@ void SmallClasses::set_losses(std::span<const double> implicit_rate) {
       const double* implicit = &implicit_rate[b * each];
       for (std::size_t at = 0; at < each; ++at) loss[at] = std::max(0.0, all[at] - implicit[at]);
     }
-  }
-  std::size_t at = 0;
-  for (; at + kLanes <= loss_.size(); at += kLanes)
-    for (std::size_t l = 0; l < kLanes; ++l) largest[l] = std::max(largest[l], loss_[at + l]);
-  for (; at < loss_.size(); ++at) largest[0] = std::max(largest[0], loss_[at]);
-  fastest_ = *std::max_element(largest.begin(), largest.end());
+    std::array<double, kLanes> largest{};
+    std::size_t at = 0;
+    for (; at + kLanes <= each; at += kLanes)
+      for (std::size_t l = 0; l < kLanes; ++l) largest[l] = std::max(largest[l], loss[at + l]);
+    for (; at < each; ++at) largest[0] = std::max(largest[0], loss[at]);
+    fastest[b] = *std::max_element(largest.begin(), largest.end());
+  });
+  fastest_ = fastest.empty() ? 0.0 : *std::max_element(fastest.begin(), fastest.end());
 }
 
 bool SmallClasses::is_fast(double h, double loss_rate) { return 0.5 * h * loss_rate > kMargin; }
