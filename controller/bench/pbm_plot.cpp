@@ -5,15 +5,12 @@
 #include <array>
 #include <map>
 
-#include "common/files.hpp"
-#include "pilot/launch/run_program.hpp"
+#include "pilot/launch/draw_svg.hpp"
 
 namespace granary::bench {
 namespace {
 
 using json::Value;
-
-constexpr double kTimeout = 60.0;  // [s]
 
 constexpr const char* kStyle = R"(set encoding utf8
 set terminal svg noenhanced size 860,520 dynamic font 'system-ui,sans-serif,15' background '#ffffff'
@@ -63,16 +60,7 @@ std::string work_precision_script(const Value& document) {
 }
 
 Status draw_work_precision(const Value& document, const std::filesystem::path& file) {
-  const auto drawn = pilot::run_program({"gnuplot", "-"}, work_precision_script(document), kTimeout);
-  if (!drawn)
-    return Error{
-        fmt::format("{} The plot is drawn by gnuplot (Debian: apt-get install gnuplot-nox).", drawn.error().message),
-        Exit::task_failed};
-  if (drawn->exit_code != 0 || drawn->out.find("</svg>") == std::string::npos)
-    return Error{fmt::format("gnuplot ended with exit code {} (signal {}): {}", drawn->exit_code, drawn->signal,
-                             drawn->err.substr(0, 2000)),
-                 Exit::internal};
-  return write_text_atomically(file, drawn->out);
+  return pilot::draw_svg(work_precision_script(document), file);
 }
 
 }  // namespace granary::bench

@@ -7,13 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "common/files.hpp"
-#include "pilot/launch/run_program.hpp"
+#include "pilot/launch/draw_svg.hpp"
 
 namespace granary::pbm {
 namespace {
 
-constexpr double kTimeout = 60.0;  // it takes a fraction of a second
 constexpr int kWidth = 1180, kPanelHeight = 400;
 
 constexpr std::string_view kColours[] = {"#2563eb", "#dc2626", "#059669", "#d97706", "#7c3aed",
@@ -112,16 +110,7 @@ Status write_convergence_plot(std::span<const Verification> results, const std::
   if (panels_of(results).empty())
     return Error{
         fmt::format("{}: there is no order to draw: no case ran on two grids. Leave --bins out.", svg.string())};
-  const auto ran = pilot::run_program({"gnuplot", "-"}, convergence_script(results), kTimeout);
-  if (!ran)
-    return Error{
-        fmt::format("{} The plot is drawn by gnuplot (Debian: apt-get install gnuplot-nox).", ran.error().message),
-        Exit::task_failed};
-  if (ran->exit_code != 0 || ran->out.find("</svg>") == std::string::npos)
-    return Error{fmt::format("gnuplot ended with exit code {} (signal {}): {}", ran->exit_code, ran->signal,
-                             ran->err.substr(0, 2000)),
-                 Exit::internal};
-  return write_text_atomically(svg, ran->out);
+  return pilot::draw_svg(convergence_script(results), svg);
 }
 
 }  // namespace granary::pbm

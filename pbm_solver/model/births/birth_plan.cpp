@@ -1,7 +1,6 @@
 #include "pbm_solver/model/births/birth_plan.hpp"
 
 #include <algorithm>
-#include <span>
 
 namespace granary::pbm {
 namespace {
