@@ -285,8 +285,10 @@ void FixWall::push(int i, std::size_t b, TouchBook::Page& before, bool frozen) {
     add(body.sums + 3, -1.0 * moment);
     body.sums[6] += dot(moment, wall_spin);
     if (impact && &touch == found_.data()) {
+      const double speed = std::max(0.0, -dot(approach.velocity, approach.normal));
       body.sums[7] += 1.0;
-      body.sums[8] += std::max(0.0, -dot(approach.velocity, approach.normal));
+      body.sums[8] += speed;
+      if (listener_) listener_(b, i, speed);
     }
   }
 }
@@ -311,12 +313,16 @@ class FixWall::BodyWall : public Wall {
   void touches(const std::function<void(const WallTouch&)>& found) const override {
     const LAMMPS_NS::Atom& atom = *fix_.atom;
     std::vector<SurfaceTouch> touching;
-    Nearby none;
     const Vector3 spin = body_.rotation.rate * body_.rotation.axis;
+    const auto number = static_cast<std::size_t>(&body_ - fix_.bodies_.data());
     for (int i = 0; i < atom.nlocal; ++i) {
       if (!(atom.mask[i] & fix_.groupbit)) continue;
-      none.complete = 0.0;
-      body_.surface->touches(body_.to_body(vector_of(atom.x[i])), atom.radius[i], none, touching);
+      const Vector3 here = body_.to_body(vector_of(atom.x[i]));
+      const std::size_t at = fix_.first_look_of(i) + number;
+      const Vector3 moved = here - fix_.looks_[at].place;
+      const double room = fix_.looks_[at].clear_distance - atom.radius[i];
+      if (room > 0.0 && dot(moved, moved) < room * room) continue;
+      body_.surface->touches(here, atom.radius[i], fix_.nearby_[at], touching);
       if (touching.empty()) continue;
       const SurfaceTouch& deepest = touching[0];
       found({.particle = i,
@@ -341,6 +347,20 @@ std::unique_ptr<Wall> FixWall::body(const std::string& name) {
   for (Body& body : bodies_)
     if (body.name == name) return std::make_unique<BodyWall>(*this, body);
   return nullptr;
+}
+
+FixWall::Load FixWall::load(std::size_t b) const {
+  const Body& body = bodies_[b];
+  const Vector3 torque = vector_of(body.sums + 3);
+  return {vector_of(body.sums), torque, dot(torque, body.rotation.axis), body.sums[6]};
+}
+
+std::vector<Triangle> FixWall::triangles(std::size_t b) {
+  turn_bodies();
+  std::vector<Triangle> triangles = bodies_[b].surface->triangles();
+  for (Triangle& triangle : triangles)
+    for (Vector3& corner : triangle) corner = bodies_[b].to_lab(corner);
+  return triangles;
 }
 
 // ---- memory that follows the particles ----

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fix.h>
@@ -28,6 +29,24 @@ class FixWall : public LAMMPS_NS::Fix {
 
   /// The largest overlap with a body at any step since the last call, over the particle's radius; of this rank.
   double take_largest_overlap();
+
+  /// Hears of each impact of this rank as it begins: body (its place in body_names()), particle, normal speed [m/s].
+  using ImpactListener = std::function<void(std::size_t body, int particle, double speed)>;
+  /// There is one listener; an empty one takes its place when it goes.
+  void set_listener(ImpactListener listener) { listener_ = std::move(listener); }
+  bool has_listener() const { return listener_ != nullptr; }
+
+  /// What this rank's particles do to a body in this step.
+  struct Load {
+    Vector3 force{};            ///< [N]
+    Vector3 torque{};           ///< about its origin [N m]
+    double axial_torque = 0.0;  ///< about its axis [N m]
+    double power = 0.0;         ///< that the body gives to the particles [W]
+  };
+  Load load(std::size_t body) const;
+
+  /// Its triangles where they stand at this step; none of a plane or a cylinder.
+  std::vector<Triangle> triangles(std::size_t body);
 
   // What LIGGGHTS calls.
   int setmask() override;
@@ -103,6 +122,7 @@ class FixWall : public LAMMPS_NS::Fix {
          **rolling_friction_ = nullptr, **cohesion_density_ = nullptr;
   std::vector<WallMaterial> materials_;  ///< of each particle type, from 1 on
 
+  ImpactListener listener_;
   std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
   TouchBook::Page now_;              ///< scratch: of one particle
   double largest_overlap_ = 0.0;

@@ -38,6 +38,8 @@ class Surface {
   virtual double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) = 0;
   /// Largest distance of a point of it from an axis [m]; 0 for endless surfaces.
   virtual double farthest_from(const Vector3& /*origin*/, const Vector3& /*unit_axis*/) const { return 0.0; }
+  /// What it is made of; nothing if it is no mesh.
+  virtual std::vector<Triangle> triangles() const { return {}; }
 };
 
 /// An endless plane with two sides.
@@ -75,6 +77,7 @@ class MeshSurface : public Surface {
   double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
 
   double farthest_from(const Vector3& origin, const Vector3& unit_axis) const override;
+  std::vector<Triangle> triangles() const override { return triangles_; }
 
  private:
   /// The plane of a triangle: most candidates are too far from it, so it is kept apart from the rest.
