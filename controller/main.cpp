@@ -76,6 +76,15 @@ int main(int argc, char** argv) {
       ->required();
   on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
 
+  fs::path task_file;
+  auto* task_command = app.add_subcommand("task", "Tasks of a running campaign");
+  task_command->require_subcommand(1);
+  auto* submit_task =
+      task_command->add_subcommand("submit", "Queue the tasks of a JSON file (one, a list, or a workflow)");
+  submit_task->add_option("dir", dir, "Run directory")->required();
+  submit_task->add_option("file", task_file, "{\"name\": ..., \"command\": [...]}: docs/pilot.md")->required();
+  submit_task->callback([&] { chosen = [&] { return commands::submit_tasks(dir, task_file); }; });
+
   commands::BenchOptions bench_options;
   auto* bench = app.add_subcommand("bench", "Measure what our programs cost, on this machine");
   bench->require_subcommand(1);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -16,6 +17,7 @@
 #include "pilot/schedule/resources.hpp"
 #include "pilot/schedule/scheduler.hpp"
 #include "pilot/summary.hpp"
+#include "pilot/task/spec_json.hpp"
 #include "pilot/task/update.hpp"
 
 namespace granary::pilot {
@@ -44,9 +46,10 @@ struct Pilot::State {
   Journal& journal;
   Table table;
   Resources resources;
-  std::string run_id;      ///< of the campaign: what its processes are marked with
-  double loop_start;       ///< loop's clock at ...
-  double time_base = 0.0;  ///< ... this pilot time [s]
+  std::string run_id;                                         ///< of the campaign: what its processes are marked with
+  double loop_start;                                          ///< loop's clock at ...
+  double time_base = 0.0;                                     ///< ... this pilot time [s]
+  double deadline = std::numeric_limits<double>::infinity();  ///< pilot time of the allocation's end [s]
   bool stopping = false;
   std::string stop_reason;
   bool schedule_posted = false;
@@ -207,14 +210,32 @@ struct Pilot::State {
   void schedule_now() {
     schedule_posted = false;
     if (!stopping) {
-      for (const Decision& decision : schedule(table, resources)) {
+      const std::vector<Decision> decisions = schedule(table, resources, deadline - now());
+      for (const Decision& decision : decisions) {
         if (stopping || !std::visit([this](const auto& what) { return carry_out(what); }, decision)) break;
       }
+      end_early_if_nothing_fits();
     }
     if (idle() && !idle_told) {
       idle_told = true;
       post(&State::tell_idle);
     }
+  }
+
+  /// When nothing runs and what is ready would run beyond the allocation's end, waiting for it helps nobody.
+  void end_early_if_nothing_fits() {
+    if (stopping || deadline == std::numeric_limits<double>::infinity() || table.n_ready() == 0) return;
+    if (!table.running.empty() || !table.suspended.empty()) return;
+    for (const std::set<Turn>* queue : {&table.ready, &table.ready_fillers, &table.ready_light}) {
+      for (const Turn& turn : *queue) {
+        const TaskSpec& spec = table.at(turn.id).spec;
+        if (spec.resumable || spec.duration() <= deadline - now()) return;
+      }
+    }
+    stopping = true;
+    stop_reason = "none of the tasks left can end before the allocation does";
+    log::info("pilot", stop_reason);
+    stop_active();
   }
 
   void tell_idle() {
@@ -248,6 +269,49 @@ struct Pilot::State {
   bool idle() const {
     const bool nothing_runs = table.running.empty() && table.suspended.empty();
     return nothing_runs && (stopping || (table.n_waiting == 0 && table.n_ready() == 0));
+  }
+
+  // --- nodes ---
+
+  std::vector<AttemptId> attempts_on(int node) const {
+    std::vector<AttemptId> attempts;
+    for (const TaskId id : active_tasks()) {
+      const auto& cores = table.at(id).last().pieces.back().cores;
+      const auto is_there = [&](int core) { return resources.node_of(core) == node; };
+      if (std::any_of(cores.begin(), cores.end(), is_there)) attempts.push_back(table.at(id).attempt_id());
+    }
+    return attempts;
+  }
+
+  void lose_node(int node, const std::string& reason) {
+    if (node < 0 || node >= resources.n_nodes() || !resources.is_up(node)) return;
+    const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
+    (void)record("node.lost",
+                 json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}, {"reason", reason}}));
+    resources.lose_node(node);
+    const std::string why = fmt::format("node {} was lost: {}", name, reason);
+    for (const AttemptId attempt : attempts_on(node)) {
+      const Task& task = table.at(attempt.task);
+      const auto& cores = task.last().pieces.back().cores;
+      const bool only_there =
+          std::all_of(cores.begin(), cores.end(), [&](int c) { return resources.node_of(c) == node; });
+      const bool being_stopped = task.ending == Ending::stop || task.ending == Ending::stop_resumable;
+      if (!only_there && !being_stopped) {
+        observe({now(), Abandoned{attempt, why}});
+      } else {
+        launcher.kill(attempt);
+        observe({now(), Lost{attempt, why}});
+      }
+    }
+    schedule_soon();
+  }
+
+  void regain_node(int node) {
+    if (node < 0 || node >= resources.n_nodes() || resources.is_up(node)) return;
+    const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
+    (void)record("node.back", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}}));
+    resources.regain_node(node);
+    schedule_soon();
   }
 
   // --- stopping ---
@@ -389,6 +453,14 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
   return id;
 }
 
+void Pilot::lose_node(int node, const std::string& reason) { state_->lose_node(node, reason); }
+void Pilot::regain_node(int node) { state_->regain_node(node); }
+
+void Pilot::deadline(double wall_time) {
+  state_->deadline = now() + wall_time - state_->loop.wall_time();
+  state_->schedule_soon();
+}
+
 void Pilot::stop(TaskId id, const std::string& reason) {
   if (state_->table.has(id) && !has_ended(state(id))) state_->observe({now(), StopAsked{id, reason, false}});
 }
@@ -453,15 +525,28 @@ Result<std::string> Pilot::explain(const std::string& name) const {
       fmt::format("no task is called \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near))};
 }
 
+json::Value Pilot::answer_submit(const json::Value& task) {
+  json::Problems problems;
+  json::Reader reader(task, "request", problems);
+  TaskSpec spec = read_task(reader);
+  if (!problems.empty()) return json::Value::object({{"error", problems.error().message}});
+  if (stopping()) return json::Value::object({{"error", "the pilot is stopping; it takes no tasks any more"}});
+  const std::string name = spec.name;
+  const auto id = submit(std::move(spec));
+  if (!id) return json::Value::object({{"error", id.error().message}});
+  return json::Value::object({{"submitted", name}, {"id", id->value}});
+}
+
 json::Value Pilot::answer(const json::Value& request) {
   const auto refuse = [](const std::string& why) { return json::Value::object({{"error", why}}); };
   const std::string ask = request.text_or("ask", ""), name = request.text_or("task", "");
+  if (ask == "submit") return answer_submit(request["task"]);
   if (ask == "status") return status();
   if (ask == "explain") {
     const auto text = explain(name);
     return text ? json::Value::object({{"text", *text}}) : refuse(text.error().message);
   }
-  if (ask != "stop") return refuse(fmt::format("cannot \"{}\"; known are status, stop, explain", ask));
+  if (ask != "stop") return refuse(fmt::format("cannot \"{}\"; known are status, stop, explain, submit", ask));
   const std::string reason = request.text_or("reason", "asked to stop");
   if (name.empty()) {
     stop_all(reason);

@@ -67,6 +67,14 @@ class Pilot {
   void stop_all(const std::string& reason);
   bool stopping() const;
 
+  /// A node of the machine (by index) has died: its cores are out until regain_node(). What ran there alone is lost at
+  /// once; of what ran there and elsewhere, the rest is killed first. Their tasks queue again, which is no failed try.
+  void lose_node(int node, const std::string& reason);
+  void regain_node(int node);
+  /// The allocation ends at this wall time [s since 1970-01-01 UTC]: a task whose expected running time (its timeout)
+  /// goes beyond is not started, unless it can be stopped and resumed. When only such tasks are left, stop_all().
+  void deadline(double wall_time);
+
   /// Called from the loop, once a task has ended for good. Submitting or stopping tasks in it is fine.
   void on_end(std::function<void(const TaskEnd&)> callback);
   /// Called from the loop each time the pilot has become idle.
@@ -91,10 +99,13 @@ class Pilot {
   json::Value status() const;
   /// Why a task waits, or what it did and what it cost, in words. Error: no such task (with a suggestion).
   Result<std::string> explain(const std::string& name) const;
-  /// Answers a request of the control socket: {"ask": "status" | "stop" | "explain", "task": NAME, "reason": TEXT}.
+  /// Answers a request of the control socket: {"ask": "status" | "stop" | "explain", "task": NAME, "reason": TEXT}, and
+  /// {"ask": "submit", "task": {...}} with a task as a workflow writes it.
   json::Value answer(const json::Value& request);
 
  private:
+  json::Value answer_submit(const json::Value& task);
+
   struct State;
   explicit Pilot(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

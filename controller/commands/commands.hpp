@@ -35,6 +35,8 @@ Result<Exit> validate(const std::vector<std::filesystem::path>& workflows, const
 Result<Exit> status(const std::filesystem::path& dir, bool json);
 Result<Exit> stop(const std::filesystem::path& dir);
 Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
+/// Queues the tasks of a file with the pilot that lives on `dir`; prints their names.
+Result<Exit> submit_tasks(const std::filesystem::path& dir, const std::filesystem::path& file);
 Result<Exit> report(const std::filesystem::path& dir);
 Result<Exit> bench_pbm(const BenchOptions& options);
 

@@ -12,6 +12,7 @@ Resources::Resources(Machine machine) : machine_(std::move(machine)) {
   }
   first_core_.push_back(static_cast<int>(node_of_.size()));
   holder_.assign(node_of_.size(), TaskId{});
+  up_.assign(machine_.nodes.size(), true);
   memory_taken_.assign(machine_.nodes.size(), 0);
   n_free_ = static_cast<int>(holder_.size());
 }

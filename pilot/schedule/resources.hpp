@@ -18,6 +18,10 @@ class Resources {
   const Machine& machine() const { return machine_; }
   int n_cores() const { return static_cast<int>(holder_.size()); }
   int n_free() const { return n_free_; }
+  /// Whether tasks may be given cores of this node: false between lose_node() and regain_node().
+  bool is_up(int node) const { return up_[static_cast<std::size_t>(node)]; }
+  void lose_node(int node) { up_[static_cast<std::size_t>(node)] = false; }
+  void regain_node(int node) { up_[static_cast<std::size_t>(node)] = true; }
   /// The task on a core; nobody's id if it is free.
   TaskId holder(int core) const { return holder_[static_cast<std::size_t>(core)]; }
   bool is_free(int core) const { return holder(core) == TaskId{}; }
@@ -39,6 +43,7 @@ class Resources {
   std::vector<int> node_of_;                ///< by core
   std::vector<int> first_core_;             ///< by node, and the end
   std::vector<std::int64_t> memory_taken_;  ///< by node [bytes]
+  std::vector<bool> up_;                    ///< by node
   int n_free_ = 0;
   std::unordered_map<int, std::vector<int>> cores_of_;                            ///< by task id
   std::unordered_map<int, std::vector<std::pair<int, std::int64_t>>> memory_of_;  ///< by task id: node, bytes

@@ -10,26 +10,33 @@ namespace {
 
 class Scheduler {
  public:
-  Scheduler(const Table& table, const Resources& resources)
+  Scheduler(const Table& table, const Resources& resources, double time_left)
       : table_(table),
         resources_(resources),
+        time_left_(time_left),
         use_(static_cast<std::size_t>(resources.n_cores())),
         reserved_(use_.size(), false) {
     for (int node = 0; node < resources.n_nodes(); ++node) memory_.push_back(resources.free_memory(node));
     for (int core = 0; core < resources.n_cores(); ++core) {
       const TaskId holder = resources.holder(core);
       use_[index(core)] = holder == TaskId{} ? Use::free : use_of(table_.at(holder));
+      if (!resources.is_up(resources.node_of(core))) use_[index(core)] = Use::taken;
     }
   }
 
   std::vector<Decision> decide() {
-    for (const Turn& turn : table_.ready_light) decisions_.push_back(StartTask{turn.id, {}});
+    for (const Turn& turn : table_.ready_light) {
+      if (ends_in_time(table_.at(turn.id).spec)) decisions_.push_back(StartTask{turn.id, {}});
+    }
     start_ready_tasks();
     run_fillers();
     return std::move(decisions_);
   }
 
  private:
+  /// A task of unknown duration may; one that can be stopped and resumed need not end at all.
+  bool ends_in_time(const TaskSpec& spec) const { return spec.resumable || spec.duration() <= time_left_; }
+
   static std::size_t index(int core) { return static_cast<std::size_t>(core); }
 
   static Use use_of(const Task& holder) {
@@ -52,6 +59,7 @@ class Scheduler {
       const auto taken = std::count(available.use.begin(), available.use.end(), Use::taken);
       if (taken == static_cast<std::ptrdiff_t>(available.use.size())) return;
       const Task& task = table_.at(turn.id);
+      if (!ends_in_time(task.spec)) continue;
       if (const auto cores = choose_cores(task.spec, resources_, available); cores && clear(*cores)) {
         start(task, *cores);
       } else {
@@ -108,7 +116,7 @@ class Scheduler {
       if (!more_suspended && !more_ready) return;
       if (more_suspended && (!more_ready || suspended->priority >= ready->priority)) {
         resume(table_.at((suspended++)->id));
-      } else if (!start_filler(table_.at((ready++)->id))) {
+      } else if (const Task& next = table_.at((ready++)->id); ends_in_time(next.spec) && !start_filler(next)) {
         ready = table_.ready_fillers.end();  // the next ones would overtake it for ever
       }
     }
@@ -156,6 +164,7 @@ class Scheduler {
 
   const Table& table_;
   const Resources& resources_;
+  double time_left_;  ///< until the allocation's end [s]
   std::vector<Use> use_;
   std::vector<std::int64_t> memory_;  ///< free, by node [bytes]
   std::vector<bool> reserved_;        ///< by core: an earlier task waits for it
@@ -165,9 +174,9 @@ class Scheduler {
 
 }  // namespace
 
-std::vector<Decision> schedule(const Table& table, const Resources& resources) {
+std::vector<Decision> schedule(const Table& table, const Resources& resources, double time_left) {
   if (table.n_ready() == 0 && table.suspended.empty()) return {};
-  return Scheduler(table, resources).decide();
+  return Scheduler(table, resources, time_left).decide();
 }
 
 }  // namespace granary::pilot

@@ -2,6 +2,7 @@
 // files. The rules, and why nothing starves: docs/pilot.md#scheduling.
 #pragma once
 
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -32,6 +33,8 @@ using Decision = std::variant<StartTask, SuspendFiller, KillFiller, ResumeFiller
 ///    use only what is left over, so small tasks never keep a large one waiting for ever.
 ///  - Cores of fillers count as free for ready tasks; the fillers on them give way at once.
 ///  - Fillers get what is idle after that, reserved cores too.
-std::vector<Decision> schedule(const Table& table, const Resources& resources);
+///  - What cannot end in `time_left` [s] is not started unless it can be stopped and resumed.
+std::vector<Decision> schedule(const Table& table, const Resources& resources,
+                               double time_left = std::numeric_limits<double>::infinity());
 
 }  // namespace granary::pilot

@@ -52,6 +52,7 @@ struct ToJson {
   json::Value operator()(const Resumed& e) const { return of_attempt(time, e.attempt).set("cores", of_cores(e.cores)); }
   json::Value operator()(const Preempted& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const Lost& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
+  json::Value operator()(const Abandoned& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
   json::Value operator()(const Reopened& e) const {
     return json::Value::object({{"time_s", time}, {"id", e.id.value}});
   }
@@ -70,6 +71,7 @@ struct KindOf {
   const char* operator()(const Resumed&) const { return "task.resume"; }
   const char* operator()(const Preempted&) const { return "task.preempt"; }
   const char* operator()(const Lost&) const { return "task.lost"; }
+  const char* operator()(const Abandoned&) const { return "task.abandon"; }
   const char* operator()(const Reopened&) const { return "task.reopen"; }
 };
 
@@ -117,6 +119,7 @@ Result<Event> event_from_json(const std::string& kind, const json::Value& payloa
   if (kind == "task.resume") return Event{time, Resumed{attempt, cores_in(payload)}};
   if (kind == "task.preempt") return Event{time, Preempted{attempt}};
   if (kind == "task.lost") return Event{time, Lost{attempt, reason()}};
+  if (kind == "task.abandon") return Event{time, Abandoned{attempt, reason()}};
   if (kind == "task.reopen") return Event{time, Reopened{id}};
   return Error{fmt::format("unknown kind of record \"{}\"", kind)};
 }

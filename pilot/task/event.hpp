@@ -68,6 +68,11 @@ struct Lost {
   AttemptId attempt;
   std::string reason;
 };
+/// A node of several died under it: what is left of the attempt is ended, then it is lost.
+struct Abandoned {
+  AttemptId attempt;
+  std::string reason;
+};
 /// A task that stop_all() had stopped is taken up again.
 struct Reopened {
   TaskId id;
@@ -75,7 +80,7 @@ struct Reopened {
 
 struct Event {
   using What = std::variant<Submitted, Placed, Started, StartFailed, Exited, StopAsked, TimedOut, GraceOver, Suspended,
-                            Resumed, Preempted, Lost, Reopened>;
+                            Resumed, Preempted, Lost, Abandoned, Reopened>;
   double time = 0.0;  ///< pilot time [s]
   What what;
 };

@@ -93,6 +93,20 @@ void read_stop(json::Reader& task, TaskSpec& spec) {
   stop->done();
 }
 
+/// A relative path that climbs out of the run directory is a mistake, or worse; an absolute one is meant.
+void check_paths(json::Reader& task, const TaskSpec& spec) {
+  const auto check = [&](const std::string& key, const std::filesystem::path& path) {
+    const std::filesystem::path normal = path.lexically_normal();
+    if (!path.is_absolute() && normal.begin() != normal.end() && *normal.begin() == "..") {
+      task.problem(key, "leaves the run directory.", "Give the full path if that is meant.");
+    }
+  };
+  check("dir", spec.dir);
+  check("stdout", spec.dir / spec.stdout_file);
+  check("stderr", spec.dir / spec.stderr_file);
+  for (const std::filesystem::path& file : spec.produces) check("produces", spec.dir / file);
+}
+
 std::vector<std::filesystem::path> paths_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -122,16 +136,21 @@ TaskSpec read_task(json::Reader& task) {
   spec.light = task.boolean_or("light", spec.light);
   spec.memory_bytes = read_memory(task);
   spec.nodes = small_integer(task, "nodes", spec.nodes, 1);
+  spec.placement =
+      task.choice_or("placement", "pack", {"pack", "spread"}) == "spread" ? Placement::spread : Placement::pack;
   spec.after = task.texts_or("after", {});
   spec.priority = small_integer(task, "priority", spec.priority, std::numeric_limits<int>::min() + 1);
   spec.fill = task.boolean_or("fill", spec.fill);
   spec.preempt = task.choice_or("preempt", "suspend", {"suspend", "kill"}) == "kill" ? Preempt::kill : Preempt::suspend;
   spec.timeout = task.quantity_or("timeout", spec.timeout, "s", json::Range::positive());
+  spec.expected = task.quantity_or("expected", spec.expected, "s", json::Range::positive());
+  spec.resumable = task.boolean_or("resumable", spec.resumable);
   spec.retries = small_integer(task, "retries", spec.retries, 0);
   read_stop(task, spec);
   spec.produces = paths_of(task.texts_or("produces", {}));
   spec.stdout_file = task.text_or("stdout", "");
   spec.stderr_file = task.text_or("stderr", "");
+  check_paths(task, spec);
   if (spec.light && spec.fill) task.problem("light", "and fill exclude each other: a light task occupies no core.");
   if (spec.light && (spec.ranks > 1 || spec.threads > 1)) {
     task.problem("light", "is for one process of one thread: a light task occupies no core.",
@@ -182,11 +201,14 @@ json::Value to_json(const TaskSpec& spec) {
   if (spec.light) value.set("light", true);
   if (spec.memory_bytes != 0) value.set("memory_bytes", spec.memory_bytes);
   if (spec.nodes != standard.nodes) value.set("nodes", spec.nodes);
+  if (spec.placement == Placement::spread) value.set("placement", "spread");
   if (!spec.after.empty()) value.set("after", spec.after);
   if (spec.priority != standard.priority) value.set("priority", spec.priority);
   if (spec.fill) value.set("fill", true);
   if (spec.preempt == Preempt::kill) value.set("preempt", "kill");
   if (spec.timeout > 0.0) value.set("timeout_s", spec.timeout);
+  if (spec.expected > 0.0) value.set("expected_s", spec.expected);
+  if (spec.resumable) value.set("resumable", true);
   if (spec.retries != 0) value.set("retries", spec.retries);
   if (spec.stop.signal) value.set("stop_signal", *spec.stop.signal);
   if (spec.stop.grace != standard.stop.grace) value.set("grace_s", spec.stop.grace);
@@ -210,11 +232,14 @@ TaskSpec spec_from_json(const json::Value& value) {
   spec.light = flag(value, "light");
   spec.memory_bytes = value.integer_or("memory_bytes", 0);
   spec.nodes = static_cast<int>(value.integer_or("nodes", spec.nodes));
+  spec.placement = value.text_or("placement", "") == "spread" ? Placement::spread : Placement::pack;
   spec.after = texts_in(value, "after");
   spec.priority = static_cast<int>(value.integer_or("priority", spec.priority));
   spec.fill = flag(value, "fill");
   spec.preempt = value.text_or("preempt", "") == "kill" ? Preempt::kill : Preempt::suspend;
   spec.timeout = value.number_or("timeout_s", spec.timeout);
+  spec.expected = value.number_or("expected_s", spec.expected);
+  spec.resumable = flag(value, "resumable");
   spec.retries = static_cast<int>(value.integer_or("retries", spec.retries));
   if (value.find("stop_signal") != nullptr)
     spec.stop.signal = static_cast<int>(value.integer_or("stop_signal", SIGTERM));

@@ -36,7 +36,7 @@ struct Attempt {
 };
 
 /// Why a running attempt is being ended by us.
-enum class Ending { none, stop, stop_resumable, timeout, preempt };
+enum class Ending { none, stop, stop_resumable, timeout, preempt, lost };
 
 struct Task {
   TaskId id;

@@ -87,6 +87,9 @@ class Step {
       case Ending::preempt:
         close_attempt(*task, TaskState::stopped, "gave way to a task that needed its cores");
         return enter(*task, TaskState::ready);
+      case Ending::lost:
+        close_attempt(*task, TaskState::lost, task->reason);
+        return enter(*task, TaskState::ready);
       case Ending::timeout:
         return fail(*task, fmt::format("ran longer than its timeout of {:g} s", task->spec.timeout));
       case Ending::none:
@@ -106,9 +109,10 @@ class Step {
       return;
     }
     if (task.ending == Ending::stop || task.ending == Ending::stop_resumable) return;
-    const bool asked_already = task.ending != Ending::none;
+    const bool asked_already = task.ending != Ending::none, dying = task.ending == Ending::lost;
     task.ending = event.resumable ? Ending::stop_resumable : Ending::stop;
     task.reason = event.reason;
+    if (dying) return (*this)(Lost{task.attempt_id(), event.reason});
     if (!asked_already) ask_to_end(task);
   }
 
@@ -121,7 +125,10 @@ class Step {
 
   void operator()(const GraceOver& event) {
     Task* task = active(event.attempt);
-    if (task != nullptr && task->ending != Ending::none) actions_.push_back(Kill{event.attempt});
+    if (task == nullptr || task->ending == Ending::none) return;
+    // Nobody may be left who could report the end of what was on a dead node.
+    if (task->ending == Ending::lost) return (*this)(Lost{event.attempt, task->reason});
+    actions_.push_back(Kill{event.attempt});
   }
 
   void operator()(const Suspended& event) {
@@ -163,6 +170,15 @@ class Step {
     close_attempt(*task, TaskState::lost, event.reason);
     if (ending == Ending::stop) return end(*task, TaskState::stopped, task->reason);
     enter(*task, TaskState::ready);
+  }
+
+  void operator()(const Abandoned& event) {
+    Task* task = active(event.attempt);
+    if (task == nullptr || task->ending == Ending::stop || task->ending == Ending::stop_resumable) return;
+    task->ending = Ending::lost;
+    task->reason = event.reason;
+    actions_.push_back(Kill{event.attempt});
+    actions_.push_back(SetAlarm{event.attempt, Alarm::grace, task->spec.stop.grace});
   }
 
   void operator()(const Reopened& event) {

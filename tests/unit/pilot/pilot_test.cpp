@@ -217,6 +217,78 @@ TEST(Pilot, AnswersRequestsOfItsSocket) {
   EXPECT_TRUE(site.pilot.stopping());
 }
 
+TEST(Pilot, QueuesWhatRanOnALostNodeAgainElsewhere) {
+  Simulation site(stated_machine(2, 2));
+  const TaskId a = site.submit(a_task("a").needs(2)), b = site.submit(a_task("b").needs(2));
+  site.loop.at(4.0, [&] { site.pilot.lose_node(0, "no heartbeat"); });
+
+  site.loop.run();
+
+  const int lost = site.pilot.timeline()[0].cores[0] < 2 ? 0 : 1;
+  const TaskId victim = lost == 0 ? a : b, other = lost == 0 ? b : a;
+  EXPECT_EQ(site.pilot.end(other)->attempt, 1);
+  EXPECT_EQ(site.pilot.end(victim)->attempt, 2);
+  EXPECT_EQ(site.pilot.end(victim)->state, TaskState::finished);
+  EXPECT_THAT(site.pilot.end(victim)->cores, ElementsAre(2, 3)) << "the lost node's cores are out";
+  EXPECT_DOUBLE_EQ(site.pilot.end(victim)->start, 10.0) << "no earlier: the other node was busy";
+  EXPECT_THAT(*site.pilot.explain(site.pilot.spec(victim).name), HasSubstr("node node1 was lost: no heartbeat"));
+}
+
+TEST(Pilot, EndsTheRestOfATaskThatLostOneOfItsNodesAndWaitsForTheNodesReturn) {
+  Simulation site(stated_machine(2, 2));
+  const TaskId wide = site.submit(a_task("wide").needs(4));
+  site.loop.at(4.0, [&] { site.pilot.lose_node(1, "power cut"); });
+  site.loop.at(50.0, [&] { site.pilot.regain_node(1); });
+
+  site.loop.run();
+
+  EXPECT_EQ(site.pilot.end(wide)->state, TaskState::finished);
+  EXPECT_EQ(site.pilot.end(wide)->attempt, 2);
+  EXPECT_DOUBLE_EQ(site.pilot.end(wide)->start, 50.0);
+  int abandoned = 0;
+  for (const Record& record : site.journal.records()) abandoned += record.kind == "task.abandon";
+  EXPECT_EQ(abandoned, 1);
+}
+
+TEST(Pilot, StartsOnlyWhatCanEndBeforeTheAllocationDoesAndEndsWhenNothingElseIsLeft) {
+  Simulation site(stated_machine(1, 1));
+  site.model = [](const TaskSpec&) { return SimulatedRun{60.0}; };
+  TaskSpec checkpointing = a_task("checkpointing").timeout(1e6);
+  checkpointing.resumable = true;
+  TaskSpec expected = a_task("expected").timeout(1e6);
+  expected.expected = 70.0;
+  const TaskId too_long = site.submit(a_task("too-long").timeout(200.0)), fits = site.submit(expected),
+               resumable = site.submit(checkpointing);
+  site.pilot.deadline(site.loop.wall_time() + 150.0);
+
+  site.loop.run();
+
+  EXPECT_EQ(site.pilot.end(fits)->state, TaskState::finished);
+  EXPECT_EQ(site.pilot.end(resumable)->state, TaskState::finished);
+  EXPECT_EQ(site.pilot.state(too_long), TaskState::ready) << "for the next allocation";
+  EXPECT_TRUE(site.pilot.stopping());
+  EXPECT_TRUE(site.pilot.idle());
+}
+
+TEST(Pilot, TakesTasksFromItsSocketWithEveryProblemAtOnce) {
+  Simulation site(stated_machine(1, 1));
+  const auto submit = [&](const std::string& text) {
+    return site.pilot.answer(json::Value::object({{"ask", "submit"}, {"task", *json::parse(text, "task")}}));
+  };
+
+  const json::Value good = submit(R"({"name": "late", "command": ["true"], "timeout": "5 s"})");
+  const json::Value bad = submit(R"({"name": "a b", "command": "true", "tiemout": "5 s", "dir": "../x"})");
+
+  EXPECT_EQ(good.text_or("submitted", ""), "late");
+  const std::string error = bad.text_or("error", "");
+  for (const char* part : {"/name", "/command", "Did you mean \"timeout\"", "/dir", "leaves the run directory"})
+    EXPECT_THAT(error, HasSubstr(part));
+  EXPECT_THAT(submit(R"({"name": "wide", "command": ["true"], "ranks": 9})").text_or("error", ""),
+              HasSubstr("needs 9 core(s)"));
+  site.loop.run();
+  EXPECT_THAT(site.ended, ElementsAre("late"));
+}
+
 TEST(Pilot, StopsGracefullyWhenTheJournalCannotBeWrittenAndSaysWhy) {
   VirtualLoop loop;
   SimulatedLauncher launcher(loop, [](const TaskSpec&) { return SimulatedRun{10.0}; });
