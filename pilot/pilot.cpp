@@ -142,14 +142,19 @@ struct Pilot::State {
       return observe({now(), StartFailed{spawn.attempt, kept.error().message}});
     }
     const auto started =
-        launcher.start(launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) {
-          observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
-        });
+        launcher.start(launch_of(task, task.last()),
+                       [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
     if (started) {
       observe({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
     } else {
       observe({now(), StartFailed{spawn.attempt, started.error().message}});
     }
+  }
+
+  void run_ended(AttemptId attempt, const RunEnd& end) {
+    if (!end.lost.empty()) return observe({now(), Lost{attempt, end.lost}});
+    if (!end.not_started.empty()) return observe({now(), StartFailed{attempt, end.not_started}});
+    observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
   }
 
   Status keep_earlier_attempt(const Task& task) {

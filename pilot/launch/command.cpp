@@ -75,17 +75,26 @@ std::vector<std::string> environment_of(const Launch& launch, const std::vector<
 
 bool uses_mpirun(const TaskSpec& spec) { return spec.mpi || spec.ranks > 1; }
 
+bool is_on_several_hosts(const Launch& launch) {
+  const auto other = [&](const HostCores& one) { return one.host != launch.hosts.front().host; };
+  return std::any_of(launch.hosts.begin(), launch.hosts.end(), other);
+}
+
 std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std::string>& env,
                                      const std::filesystem::path& rank_file, bool as_root) {
   std::vector<std::string> argv{"mpirun"};
   if (as_root) argv.emplace_back("--allow-run-as-root");
   argv.insert(argv.end(), {"-n", std::to_string(launch.spec.ranks)});
-  // On one node, shared memory is all that is needed; not looking for networks makes the start three times faster. Who
-  // sets these in the environment knows better.
-  if (variable(env, "OMPI_MCA_pml").empty() && variable(env, "OMPI_MCA_btl").empty()) {
-    argv.insert(argv.end(), {"--mca", "pml", "ob1", "--mca", "btl", "self,vader"});
+  if (!is_on_several_hosts(launch)) {
+    // On one node, shared memory is all that is needed; not looking for networks makes the start three times faster.
+    // Who sets these in the environment knows better.
+    if (variable(env, "OMPI_MCA_pml").empty() && variable(env, "OMPI_MCA_btl").empty())
+      argv.insert(argv.end(), {"--mca", "pml", "ob1", "--mca", "btl", "self,vader"});
+    // Inside a step of Slurm, mpirun would take the whole job for its machine and find it full.
+    if (!variable(env, "SLURM_JOB_ID").empty())
+      argv.insert(argv.end(), {"--mca", "ras", "^slurm", "--mca", "plm", "isolated"});
   }
-  if (launch.cores.size() < static_cast<std::size_t>(launch.spec.ranks)) {
+  if (launch.cores.size() < static_cast<std::size_t>(launch.spec.ranks) && launch.hosts.empty()) {
     argv.insert(argv.end(),
                 {"--oversubscribe", "--bind-to", "none"});  // more ranks than cores: they share the inherited mask
   } else {
@@ -96,15 +105,29 @@ std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std
   return argv;
 }
 
+void prepare_for_several_hosts(std::vector<std::string>& env) {
+  // mpirun starts its daemons with srun: they share the nodes with everything else, and a step's own idea of how many
+  // tasks a node takes (one: the agent) is not the job's.
+  set(env, "SLURM_OVERLAP", "1");
+  const std::string cpus(variable(env, "SLURM_JOB_CPUS_PER_NODE"));
+  if (!cpus.empty()) set(env, "SLURM_TASKS_PER_NODE", cpus);
+}
+
 std::string rank_file_text(const Launch& launch, const Machine& machine) {
+  std::vector<std::pair<std::string, int>> places;  ///< host and CPU of each core
+  const bool several = is_on_several_hosts(launch);
+  for (const HostCores& one : launch.hosts)
+    for (const int cpu : one.cpus) places.emplace_back(several ? one.host : "localhost", cpu);
+  if (launch.hosts.empty())
+    for (const int core : launch.cores) places.emplace_back("localhost", machine.cpu_of(core));
+
   std::string text;
   const auto threads = static_cast<std::size_t>(launch.spec.threads);
-  for (std::size_t rank = 0; (rank + 1) * threads <= launch.cores.size(); ++rank) {
+  for (std::size_t rank = 0; (rank + 1) * threads <= places.size(); ++rank) {
     std::string slots;
-    for (std::size_t k = 0; k < threads; ++k) {
-      slots += fmt::format("{}{}", k > 0 ? "," : "", machine.cpu_of(launch.cores[rank * threads + k]));
-    }
-    text += fmt::format("rank {}=localhost slot={}\n", rank, slots);
+    for (std::size_t k = 0; k < threads; ++k)
+      slots += fmt::format("{}{}", k > 0 ? "," : "", places[rank * threads + k].second);
+    text += fmt::format("rank {}={} slot={}\n", rank, places[rank * threads].first, slots);
   }
   return text;
 }

@@ -24,6 +24,9 @@ std::vector<std::string> environment_of(const Launch& launch, const std::vector<
 std::string_view variable(const std::vector<std::string>& env, std::string_view key);
 
 bool uses_mpirun(const TaskSpec& spec);
+bool is_on_several_hosts(const Launch& launch);
+/// What mpirun needs of Slurm's variables to reach the other hosts from inside a step.
+void prepare_for_several_hosts(std::vector<std::string>& env);
 /// `mpirun OPTIONS command...`, each rank pinned to cores of its own by the rank file.
 std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std::string>& env,
                                      const std::filesystem::path& rank_file, bool as_root);

@@ -13,13 +13,20 @@
 
 namespace granary::pilot {
 
+/// A task's cores on one host. `cpus`: the operating system's numbers there.
+struct HostCores {
+  std::string host;
+  std::vector<int> cpus;
+};
+
 /// All a launcher must know to start an attempt.
 struct Launch {
   AttemptId attempt;
   TaskSpec spec;
-  std::filesystem::path dir;  ///< absolute working folder
-  std::vector<int> cores;     ///< core indices of the machine; empty for a light task
-  std::string mark;           ///< put into the environment (GRANARY_MARK), by which strays are found
+  std::filesystem::path dir;     ///< absolute working folder
+  std::vector<int> cores;        ///< core indices of the machine; empty for a light task
+  std::string mark;              ///< put into the environment (GRANARY_MARK), by which strays are found
+  std::vector<HostCores> hosts;  ///< of a task over several nodes: all its cores, in the order of its ranks; else empty
 };
 
 /// What the system knows the first process by: enough to tell it from a later one with the same number.
@@ -33,6 +40,9 @@ struct RunEnd {
   int signal = 0;                              ///< 0: none
   double cpu_s = 0.0;                          ///< user and system time of all its processes that were waited for [s]
   std::vector<std::filesystem::path> missing;  ///< produces[] that do not exist; only looked for after exit code 0
+  // Of a launcher that starts elsewhere; if one of them is there, nothing above counts:
+  std::string not_started;  ///< why it could not be started: what start() would have said
+  std::string lost;         ///< why nobody knows how it ended; none of its processes lives any more
 };
 
 /// Calls about an attempt that is not running (any more) do nothing.

@@ -129,7 +129,7 @@ struct LocalLauncher::State {
   void finish(AttemptId attempt) {
     auto node = running.extract(attempt);
     Running& run = node.mapped();
-    RunEnd end{run.end.exit_code, run.end.signal, run.end.cpu_s, {}};
+    RunEnd end{run.end.exit_code, run.end.signal, run.end.cpu_s, {}, "", ""};
     if (end.exit_code == 0) {
       std::error_code error;
       for (const fs::path& file : run.launch.spec.produces) {
@@ -167,6 +167,7 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
                 find_executable(launch.spec.command[0], launch.dir, variable(request.env, "PATH")));
     const fs::path rank_file = launch.dir / (launch.spec.name + ".ranks");
     GRANARY_CHECK(write_text_atomically(rank_file, rank_file_text(launch, state_->machine)));
+    if (is_on_several_hosts(launch)) prepare_for_several_hosts(request.env);
     request.argv = mpirun_argv(launch, request.env, rank_file, geteuid() == 0);
   }
   GRANARY_TRY(request.file, find_executable(request.argv[0], launch.dir, variable(request.env, "PATH")));
@@ -236,14 +237,8 @@ bool LocalLauncher::end_orphan(const ProcessKey& key, const std::string& mark) {
     ::kill(-key.pid, SIGKILL);
     any = true;
   }
-  // Its ranks and daemons, and all of it if the pilot died before it could note the pid. Nobody forks faster than this.
-  for (int look = 0; look < kStrayLooks; ++look) {
-    const std::vector<int> strays = marked_processes(mark);
-    if (strays.empty()) break;
-    any = true;
-    for (const int pid : strays) ::kill(pid, SIGKILL);
-    usleep(static_cast<useconds_t>(kStrayPause * 1e6));
-  }
+  // Its ranks and daemons, and all of it if the pilot died before it could note the pid.
+  if (end_processes_with(fmt::format("{}={}", kMarkVariable, mark) + '\0')) any = true;
   return any;
 }
 

@@ -9,9 +9,7 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
-#include <string_view>
 
 namespace granary::pilot {
 namespace {
@@ -48,15 +46,14 @@ bool is_ours(int pid) {
 
 }  // namespace
 
-std::vector<int> marked_processes(const std::string& mark) {
-  const std::string wanted = fmt::format("{}={}", kMarkVariable, mark);
+std::vector<int> processes_with(std::string_view entry_begins) {
   std::vector<int> pids;
   for (const int pid : numbered_entries("/proc")) {
     if (pid == getpid() || !is_ours(pid)) continue;
     // A zombie's environment reads as empty.
     const std::string environment = contents(fmt::format("/proc/{}/environ", pid));
     for (std::size_t at = 0; at < environment.size(); at = environment.find('\0', at) + 1) {
-      if (std::strcmp(environment.c_str() + at, wanted.c_str()) == 0) {
+      if (environment.compare(at, entry_begins.size(), entry_begins) == 0) {
         pids.push_back(pid);
         break;
       }
@@ -64,6 +61,23 @@ std::vector<int> marked_processes(const std::string& mark) {
     }
   }
   return pids;
+}
+
+std::vector<int> marked_processes(const std::string& mark) {
+  // With the end of the entry: one mark may be the beginning of another.
+  return processes_with(fmt::format("{}={}", kMarkVariable, mark) + '\0');
+}
+
+bool end_processes_with(std::string_view entry_begins) {
+  constexpr int kLooks = 400;
+  constexpr useconds_t kPause = 5000;  // [us]; nobody forks faster than this
+  for (int look = 0; look < kLooks; ++look) {
+    const std::vector<int> pids = processes_with(entry_begins);
+    if (pids.empty()) return look > 0;
+    for (const int pid : pids) ::kill(pid, SIGKILL);
+    usleep(kPause);
+  }
+  return true;
 }
 
 void signal_marked(const std::string& mark, int signal) {
