@@ -16,7 +16,8 @@ namespace granary::pilot {
 namespace {
 
 constexpr double kGreetingTime = 10.0;  ///< to prove oneself [s]
-/// What one connection may ask of us. Beyond it we read no more until the second is over, and TCP holds the sender back.
+/// What one connection may ask of us. Beyond it we read no more until the second is over, and TCP holds the sender
+/// back.
 constexpr std::size_t kMostBytesPerSecond = 64 << 20;
 constexpr std::size_t kMostMessagesPerSecond = 200'000;
 /// A peer that does not read what it is sent is as good as gone.
@@ -127,8 +128,8 @@ struct Channel::State : std::enable_shared_from_this<Channel::State> {
   void tell_dropped() {
     if (reader.dropped() == told_dropped) return;
     told_dropped = reader.dropped();
-    log::warning("protocol", fmt::format("dropped from {}: {} ({} so far)", handshake.name(), reader.last_dropped(),
-                                         told_dropped));
+    log::warning("protocol",
+                 fmt::format("dropped from {}: {} ({} so far)", handshake.name(), reader.last_dropped(), told_dropped));
   }
 
   void hold_back() {
@@ -149,7 +150,8 @@ struct Channel::State : std::enable_shared_from_this<Channel::State> {
   void send(const json::Value& message) {
     if (!writer || fd < 0) return;
     const std::string text = json::dump(message);
-    if (text.size() + 2 > kLargestPayload) return refuse(fmt::format("a message of {} bytes was to be sent", text.size()));
+    if (text.size() + 2 > kLargestPayload)
+      return refuse(fmt::format("a message of {} bytes was to be sent", text.size()));
     if (batch.size() + text.size() + 2 > kLargestPayload) seal_batch();
     batch.append(batch.empty() ? "[" : ",").append(text);
     if (flush_posted) return;

@@ -1,4 +1,5 @@
-// One authenticated connection: JSON messages both ways, sealed and counted, many in a frame when many are sent at once.
+// One authenticated connection: JSON messages both ways, sealed and counted, many in a frame when many are sent at
+// once.
 #pragma once
 
 #include <functional>
@@ -15,9 +16,9 @@ class Channel {
  public:
   /// All are called from the loop. A channel may be destroyed in any of them.
   struct Events {
-    std::function<void()> open;                        ///< both sides have proved themselves
-    std::function<void(const json::Value&)> message;   ///< always an object
-    std::function<void(const std::string&)> closed;    ///< why; nothing comes any more
+    std::function<void()> open;                       ///< both sides have proved themselves
+    std::function<void(const json::Value&)> message;  ///< always an object
+    std::function<void(const std::string&)> closed;   ///< why; nothing comes any more
   };
   /// Takes the connected, non-blocking socket over. `loop` must outlive it. `keeps_running`: whether the loop runs on
   /// for its sake alone.

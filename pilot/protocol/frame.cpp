@@ -24,9 +24,7 @@ std::uint64_t number_in(std::string_view bytes) {
 
 }  // namespace
 
-std::string plain_frame(std::string_view payload) {
-  return big_endian(payload.size(), kLengthBytes).append(payload);
-}
+std::string plain_frame(std::string_view payload) { return big_endian(payload.size(), kLengthBytes).append(payload); }
 
 std::string FrameWriter::seal(std::string_view payload) {
   GRANARY_ASSERT(payload.size() <= kLargestPayload, payload.size());

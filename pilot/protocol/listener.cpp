@@ -44,22 +44,22 @@ struct Listener::State {
   void take_in(int fd) {
     ++n_strangers;
     const auto caller = callers.emplace(callers.end());
-    caller->channel = std::make_unique<Channel>(
-        loop, fd, Handshake::answer(secret),
-        Channel::Events{[this, caller] {
-                          --n_strangers;
-                          caller->known = true;
-                          caller->guest = welcome(*caller->channel);
-                        },
-                        [caller](const json::Value& message) {
-                          if (caller->guest.message) caller->guest.message(message);
-                        },
-                        [this, caller](const std::string& why) {
-                          if (!caller->known) --n_strangers;
-                          forget(caller);
-                          if (caller->guest.closed) caller->guest.closed(why);
-                        }},
-        keeps_running);
+    caller->channel = std::make_unique<Channel>(loop, fd, Handshake::answer(secret),
+                                                Channel::Events{[this, caller] {
+                                                                  --n_strangers;
+                                                                  caller->known = true;
+                                                                  caller->guest = welcome(*caller->channel);
+                                                                },
+                                                                [caller](const json::Value& message) {
+                                                                  if (caller->guest.message)
+                                                                    caller->guest.message(message);
+                                                                },
+                                                                [this, caller](const std::string& why) {
+                                                                  if (!caller->known) --n_strangers;
+                                                                  forget(caller);
+                                                                  if (caller->guest.closed) caller->guest.closed(why);
+                                                                }},
+                                                keeps_running);
   }
 
   /// Not at once: the caller's own callback may be what is running.

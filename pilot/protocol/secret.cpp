@@ -72,7 +72,8 @@ Result<Digest> read_secret(const fs::path& dir) {
   const bool whole = known && read(fd, secret.data(), secret.size()) == static_cast<ssize_t>(secret.size());
   close(fd);
   if (known && (status.st_uid != geteuid() || (status.st_mode & 077) != 0))
-    return secret_error(file, "belongs to another user, or others may read it: it is no secret. Delete it, then resume.");
+    return secret_error(file,
+                        "belongs to another user, or others may read it: it is no secret. Delete it, then resume.");
   if (!whole) return secret_error(file, "holds less than 32 bytes. Delete it, then resume.");
   return secret;
 }
