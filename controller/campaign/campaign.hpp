@@ -59,10 +59,21 @@ struct PbmSettings {
 };
 
 struct Resources {
-  enum class Backend { local };
+  enum class Backend {
+    local,  ///< the cores of this machine
+    slurm,  ///< the nodes of the job of Slurm that we are in
+  };
   Backend backend = Backend::local;
   int nodes = 1;
   std::optional<int> cores;  ///< a node; none: all that the machine has
+
+  // What `granary submit` asks Slurm for.
+  std::string partition, account;      ///< empty: Slurm's default
+  std::optional<double> walltime;      ///< of one job [s]; none: the partition's
+  double stop_before = 120.0;          ///< everything is stopped so long before the job's end [s]
+  int chain = 0;                       ///< so many further jobs at most go on where one was stopped by its end
+  bool exclusive = true;               ///< whole nodes
+  std::vector<std::string> options;    ///< further options of sbatch: "--constraint=haswell"
 };
 
 struct Outputs {

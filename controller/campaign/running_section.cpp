@@ -1,5 +1,10 @@
 // coupling: when the two sides take turns. resources, outputs, cost_model: where it runs, what it leaves, what it would
 // cost.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
 #include "common/json/reader.hpp"
 #include "controller/campaign/sections.hpp"
 
@@ -8,10 +13,45 @@ namespace {
 
 using json::Range;
 
+/// A word for an #SBATCH line: nothing that could end it, or be split.
+bool is_word(const std::string& text) {
+  const auto fine = [](unsigned char c) { return std::isgraph(c) != 0 && c != '"' && c != '\'' && c != '\\' && c != '#'; };
+  return !text.empty() && text.size() <= 500 && std::all_of(text.begin(), text.end(), fine);
+}
+
+std::string read_word(json::Reader& reader, const char* key) {
+  std::string text = reader.text_or(key, "");
+  if (!text.empty() && (!is_word(text) || text[0] == '-'))
+    reader.problem(key, "it must be one word, as Slurm knows it, and not begin with '-'.");
+  return text;
+}
+
+void read_options(json::Reader& reader, Resources& resources) {
+  resources.options = reader.texts_or("options", {});
+  for (const std::string& option : resources.options) {
+    if (!option.starts_with("--") || !is_word(option))
+      reader.problem("options", "\"" + option + "\" is no option in one word.", "Write it as \"--key=value\".");
+    for (const char* own : {"nodes", "partition", "account", "time", "signal", "array", "chdir", "wrap", "requeue"})
+      if (option == fmt::format("--{}", own) || option.starts_with(fmt::format("--{}=", own)))
+        reader.problem("options", "\"" + option + "\" is set by granary itself.",
+                       "The other settings of /resources say what it shall be.");
+  }
+}
+
 void read_resources(json::Reader reader, Resources& resources) {
-  reader.choice_or("backend", "local", {"local"});
+  const bool slurm = reader.choice_or("backend", "local", {"local", "slurm"}) == "slurm";
+  resources.backend = slurm ? Resources::Backend::slurm : Resources::Backend::local;
   resources.nodes = static_cast<int>(reader.integer_or("nodes", resources.nodes, Range::between(1, 100000)));
   if (reader.has("cores")) resources.cores = static_cast<int>(reader.integer("cores", Range::between(1, 100000)));
+  resources.partition = read_word(reader, "partition");
+  resources.account = read_word(reader, "account");
+  if (reader.has("walltime")) resources.walltime = reader.quantity("walltime", "s", Range::at_least(60.0));
+  resources.stop_before = reader.quantity_or("stop_before", resources.stop_before, "s", Range::between(1.0, 65535.0));
+  if (resources.walltime && *resources.walltime <= resources.stop_before)
+    reader.problem("stop_before", "it must be less than /resources/walltime.", "A few times the longest stop.grace.");
+  resources.chain = static_cast<int>(reader.integer_or("chain", resources.chain, Range::between(0, 1000)));
+  resources.exclusive = reader.boolean_or("exclusive", resources.exclusive);
+  read_options(reader, resources);
   reader.done();
 }
 

@@ -79,6 +79,19 @@ void add_coupled(const Campaign& campaign, json::Value& understood) {
   understood.set("cost_model", cost_json(campaign.cost_model));
 }
 
+json::Value resources_json(const Resources& resources) {
+  return json::Value::object({{"backend", resources.backend == Resources::Backend::slurm ? "slurm" : "local"},
+                              {"nodes", resources.nodes},
+                              {"cores", or_null(resources.cores)},
+                              {"partition", resources.partition},
+                              {"account", resources.account},
+                              {"walltime_s", or_null(resources.walltime)},
+                              {"stop_before_s", resources.stop_before},
+                              {"chain", resources.chain},
+                              {"exclusive", resources.exclusive},
+                              {"options", resources.options}});
+}
+
 json::Value as_understood(const Campaign& campaign) {
   json::Value understood = json::Value::object({{"kind", campaign.kind == Kind::coupled ? "coupled" : "tasks"},
                                                 {"name", campaign.name},
@@ -90,9 +103,7 @@ json::Value as_understood(const Campaign& campaign) {
     for (const pilot::TaskSpec& task : campaign.tasks) tasks.push(pilot::to_json(task));
     understood.set("tasks", std::move(tasks));
   }
-  understood.set("resources", json::Value::object({{"backend", "local"},
-                                                   {"nodes", campaign.resources.nodes},
-                                                   {"cores", or_null(campaign.resources.cores)}}));
+  understood.set("resources", resources_json(campaign.resources));
   understood.set("outputs", json::Value::object({{"report", campaign.outputs.report}}));
   return understood;
 }
