@@ -147,16 +147,14 @@ struct Channel::State : std::enable_shared_from_this<Channel::State> {
     });
   }
 
-  void send(const json::Value& message) {
-    if (!writer || fd < 0) return;
+  bool send(const json::Value& message) {
+    if (!writer || fd < 0) return true;
     const std::string text = json::dump(message);
-    if (text.size() + 2 > kLargestPayload)
-      return refuse(fmt::format("a message of {} bytes was to be sent", text.size()));
+    if (text.size() + 2 > kLargestPayload) return false;
     if (batch.size() + text.size() + 2 > kLargestPayload) seal_batch();
     batch.append(batch.empty() ? "[" : ",").append(text);
-    if (flush_posted) return;
-    flush_posted = true;
-    loop.post([self = shared_from_this()] { self->flush(); });
+    if (!std::exchange(flush_posted, true)) loop.post([self = shared_from_this()] { self->flush(); });
+    return true;
   }
 
   void seal_batch() {
@@ -211,7 +209,7 @@ void Channel::close() {
   state_->end();
 }
 
-void Channel::send(const json::Value& message) { state_->send(message); }
+bool Channel::send(const json::Value& message) { return state_->send(message); }
 bool Channel::is_open() const { return state_->writer.has_value() && state_->fd >= 0; }
 Role Channel::role() const { return state_->handshake.role(); }
 const std::string& Channel::name() const { return state_->handshake.name(); }

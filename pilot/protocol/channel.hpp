@@ -27,9 +27,9 @@ class Channel {
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
 
-  /// Queues an object; what is queued in one turn of the loop leaves in as few frames as hold it. One of more than
-  /// kLargestPayload bytes closes the channel. Before open, or after the end, it is dropped.
-  void send(const json::Value& message);
+  /// Queues an object; what is queued in one turn of the loop leaves in as few frames as hold it. Before open, or after
+  /// the end, it is dropped. False: it is longer than kLargestPayload bytes, and is not sent.
+  bool send(const json::Value& message);
   /// Ends the connection; `closed` is not called.
   void close();
   bool is_open() const;
