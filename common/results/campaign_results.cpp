@@ -108,6 +108,8 @@ void exchange_dem(Io& io, D& d) {
   io.list(schema::kDemParticles, d.particles);
   io.list(schema::kDemCollisions, d.collisions);
   io.rows(schema::kDemImpacts, d.impacts);
+  io.rows(schema::kDemTorque, d.torque);
+  io.rows(schema::kDemPower, d.power);
   io.rows(schema::kDemSpeed, d.speed);
   io.list(schema::kDemEnergy, d.kinetic_energy);
   io.list(schema::kDemOverlap, d.largest_overlap);

@@ -98,6 +98,8 @@ struct DemSeries {
   std::vector<double> particles;        ///< in the DEM [-], shape (W)
   std::vector<double> collisions;       ///< that began, per time, as simulated [1/s], shape (W)
   Rows impacts;                         ///< on each body, per time, as simulated [1/s], shape (W, B)
+  Rows torque;                          ///< that turns each body, about its axis [N m], shape (W, B); NaN: not known
+  Rows power;                           ///< each body gives to the particles [W], shape (W, B); NaN: not known
   Rows speed;                           ///< mean speed of each class [m/s], shape (W, K)
   std::vector<double> kinetic_energy;   ///< [J], shape (W)
   std::vector<double> largest_overlap;  ///< over the particle's radius [-], shape (W)

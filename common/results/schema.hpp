@@ -109,6 +109,9 @@ inline constexpr Dataset kDemCollisions{"/dem/collisions", "W", "1/s",
                                         "collisions between particles that began, per time, as simulated"};
 inline constexpr Dataset kDemImpacts{"/dem/impacts", "W B", "1/s",
                                      "impacts on each body that began, per time, as simulated"};
+inline constexpr Dataset kDemTorque{"/dem/torque", "W B", "N m",
+                                    "torque that turns each body against the particles, about its axis"};
+inline constexpr Dataset kDemPower{"/dem/power", "W B", "W", "power each body gives to the particles"};
 inline constexpr Dataset kDemSpeed{"/dem/speed", "W C", "m/s", "mean speed of the particles of each size class"};
 inline constexpr Dataset kDemEnergy{"/dem/kinetic_energy", "W", "J", "kinetic energy of all particles"};
 inline constexpr Dataset kDemOverlap{"/dem/largest_overlap", "W", "1", "largest overlap over the particle's radius"};
@@ -227,6 +230,8 @@ inline constexpr std::array kAll{kName,
                                  kDemParticles,
                                  kDemCollisions,
                                  kDemImpacts,
+                                 kDemTorque,
+                                 kDemPower,
                                  kDemSpeed,
                                  kDemEnergy,
                                  kDemOverlap,

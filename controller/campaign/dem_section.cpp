@@ -15,6 +15,7 @@ bool is_prime(std::int64_t n) {
 
 void read_guard(json::Reader reader, dem::Guard& guard) {
   guard.largest_overlap = reader.number_or("largest_overlap", guard.largest_overlap, {0.0, 1.0, false, true});
+  guard.overlapping_fraction = reader.number_or("overlapping_fraction", guard.overlapping_fraction, Range::fraction());
   guard.energy_factor = reader.number_or("energy_factor", guard.energy_factor, Range::positive());
   guard.lost_fraction = reader.number_or("lost_fraction", guard.lost_fraction, Range::fraction());
   reader.done();
@@ -59,6 +60,8 @@ void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   base.coarse_graining = dem.coarse_graining.value_or(base.coarse_graining);
   base.density = dem.density.value_or(base.density);
 
+  base.walls =
+      reader.choice_or("walls", "granary", {"granary", "stock"}) == "granary" ? dem::Walls::granary : dem::Walls::stock;
   base.time_step = reader.quantity_or("time_step", base.time_step, "s", Range::positive());
   base.settle_time = reader.quantity_or("settle", base.settle_time, "s", Range::not_negative());
   base.tally.window = reader.quantity_or("tally_window", base.tally.window, "s", Range::positive());

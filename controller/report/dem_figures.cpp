@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "controller/report/figures.hpp"
 #include "controller/report/script.hpp"
 
 namespace granary::report {
 namespace {
 
-Figure over_dem(const CampaignResults& results, const char* id, const char* title, LinePlot plot, const char* caption) {
+Figure over_dem(const CampaignResults& results, const char* id, const char* title, LinePlot plot,
+                const std::string& caption) {
   const auto& dem = results.dem;
   plot.x_title = "DEM time [s]";
   plot.x = dem.time;
@@ -40,6 +43,24 @@ Figure speeds(const CampaignResults& results) {
                   "Classes from small (1) to large.");
 }
 
+Figure power(const CampaignResults& results) {
+  const auto& dem = results.dem;
+  LinePlot plot;
+  plot.y_title = "power [W]";
+  double most_torque = 0.0;
+  for (std::size_t b = 0; b < dem.bodies.size(); ++b) {
+    const auto values = column_of(dem.power, b);
+    if (!has_numbers(values)) continue;
+    plot.lines.push_back({shortened(dem.bodies[b], 14), std::string(category_colour(b + 1)), values, false});
+    for (const auto& row : dem.torque)
+      if (std::abs(row[b]) > most_torque) most_torque = std::abs(row[b]);
+  }
+  return over_dem(results, "dem-power", "Power the blades give to the particles", std::move(plot),
+                  fmt::format("Of the simulated particles, means over a window; the largest torque about an axis is "
+                              "{:.3g} N m. Not known where stock walls were used.",
+                              most_torque));
+}
+
 }  // namespace
 
 std::vector<Figure> dem_figures(const CampaignResults& results) {
@@ -49,6 +70,7 @@ std::vector<Figure> dem_figures(const CampaignResults& results) {
           speeds(results),
           one_line(results, "dem-particles", "Particles in the DEM", dem.particles, 1.0, "particles", "–",
                    "As simulated (coarse-grained)."),
+          power(results),
           one_line(results, "dem-overlap", "Largest overlap", dem.largest_overlap, 0.01, "overlap over radius", "%",
                    "The largest of each window, over the radius of the smaller particle: what a soft contact costs.")};
 }

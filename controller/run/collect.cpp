@@ -161,12 +161,19 @@ Status append_tallies(DemSeries& series, const BurstRecord& record, const fs::pa
     series.burst.push_back(number_of(record));
     series.particles.push_back(window.total_particles());
     series.collisions.push_back(window.total_collisions() / window.window);
-    std::vector<double> impacts;
+    std::vector<double> impacts, torque, power;
     for (const std::string& body : series.bodies) {
       const auto by_class = line["impacts"].numbers(body);
       impacts.push_back(std::accumulate(by_class.begin(), by_class.end(), 0.0) / window.window);
     }
+    for (const std::string& body : series.bodies) {
+      const json::Value& load = line["loads"][body];
+      torque.push_back(-load.number_or("axial_torque_N_m", kNone));
+      power.push_back(load.number_or("power_W", kNone));
+    }
     series.impacts.push_back(std::move(impacts));
+    series.torque.push_back(std::move(torque));
+    series.power.push_back(std::move(power));
     series.speed.push_back(window.speed_mean);
     series.kinetic_energy.push_back(line.number_or("kinetic_energy_J", kNone));
     series.largest_overlap.push_back(line.number_or("largest_overlap", kNone));

@@ -182,6 +182,7 @@ Tally read_tally(Reader in) {
 Guard read_guard(Reader in) {
   Guard g;
   g.largest_overlap = in.number_or("largest_overlap", g.largest_overlap, Range::positive());
+  g.overlapping_fraction = in.number_or("overlapping_fraction", g.overlapping_fraction, Range::fraction());
   g.energy_factor = in.number_or("energy_factor", g.energy_factor, Range::positive());
   g.lost_fraction = in.number_or("lost_fraction", g.lost_fraction, Range::fraction());
   in.done();
@@ -211,6 +212,7 @@ Result<DemCase> read_case(const json::Value& document, const std::string& file) 
   in.choice("format", {kFormat});
   c.name = in.text_or("name", "");
   if (auto machine = in.optional_section("machine")) c.machine = read_machine(std::move(*machine));
+  c.walls = in.choice_or("walls", "granary", {"granary", "stock"}) == "granary" ? Walls::granary : Walls::stock;
   if (auto contact = in.optional_section("contact")) c.contact = read_contact(std::move(*contact));
   c.density = in.number_or("density", c.density, Range::positive());
   c.coarse_graining = in.number_or("coarse_graining", c.coarse_graining, Range::positive());
@@ -240,6 +242,7 @@ json::Value to_json(const DemCase& c) {
       {{"format", kFormat},
        {"name", c.name},
        {"machine", machine_json(c.machine)},
+       {"walls", c.walls == Walls::granary ? "granary" : "stock"},
        {"contact", contact_json(c.contact)},
        {"density", c.density},
        {"coarse_graining", c.coarse_graining},
@@ -252,6 +255,7 @@ json::Value to_json(const DemCase& c) {
        {"tally",
         Value::object({{"window", c.tally.window}, {"every", c.tally.every}, {"class_edges", c.tally.class_edges}})},
        {"guard", Value::object({{"largest_overlap", c.guard.largest_overlap},
+                                {"overlapping_fraction", c.guard.overlapping_fraction},
                                 {"energy_factor", c.guard.energy_factor},
                                 {"lost_fraction", c.guard.lost_fraction}})}});
   if (c.restart) out.set("restart", c.restart->string());

@@ -76,14 +76,19 @@ struct Tally {
 
 /// Bounds beyond which a burst has diverged.
 struct Guard {
-  double largest_overlap = 0.9;  ///< of the smaller particle's radius
-  double energy_factor = 20.0;   ///< kinetic energy over that of all particles at tip speed
-  double lost_fraction = 0.02;   ///< particles gone that did not leave through the outlet
+  double largest_overlap = 0.5;        ///< of a particle's radius, that only a few may exceed
+  double overlapping_fraction = 0.02;  ///< share of the particles that may
+  double energy_factor = 20.0;         ///< kinetic energy over that of all particles at tip speed
+  double lost_fraction = 0.02;         ///< particles gone that did not leave through the outlet
 };
+
+/// Who pushes particles off the machine: our granary/wall, or LIGGGHTS' own mesh/surface, move/mesh and wall/gran.
+enum class Walls { granary, stock };
 
 struct DemCase {
   std::string name;
   Machine machine;
+  Walls walls = Walls::granary;
   Contact contact;
   double density = 1000.0;             ///< of the particles [kg/m^3]
   double coarse_graining = 1.0;        ///< DEM diameter / real diameter

@@ -18,7 +18,6 @@
 #include "common/json/io.hpp"
 #include "dem_templates/plugin/contacts.hpp"
 #include "dem_templates/plugin/ending.hpp"
-#include "dem_templates/plugin/fix_tally.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
 #include "dem_templates/plugin/stop_signal.hpp"
@@ -29,11 +28,13 @@ namespace granary::dem {
 using Range = FixArguments::Range;
 
 FixGuard::FixGuard(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
-  FixArguments arguments(fix_words(narg, arg), {{"file"}, {"every"}, {"restart"}, {"overlap"}, {"energy"}, {"lost"}});
+  FixArguments arguments(fix_words(narg, arg),
+                         {{"file"}, {"every"}, {"restart"}, {"overlap"}, {"overlapping"}, {"energy"}, {"lost"}});
   file_ = arguments.text("file");
   restart_file_ = arguments.text_or("restart", "restart.liggghts");
   nevery = static_cast<int>(arguments.integer_or("every", 50, Range::between(1, 1e9)));
   bounds_.overlap = arguments.number_or("overlap", bounds_.overlap, Range::positive());
+  bounds_.overlapping_fraction = arguments.number_or("overlapping", bounds_.overlapping_fraction, Range::fraction());
   bounds_.lost_fraction = arguments.number_or("lost", bounds_.lost_fraction, Range::fraction());
   if (arguments.has("energy")) bounds_.energy = arguments.number("energy", Range::positive());
   if (igroup != 0) arguments.problem("guards all particles: its group must be 'all'.");
@@ -89,10 +90,15 @@ Vitals FixGuard::measure(bool with_contacts, bool& stop_asked) {
     finite = finite && std::isfinite(x[0] + x[1] + x[2] + speed2);
     energy += 0.5 * atom->rmass[i] * speed2;
   }
-  double largest[3] = {finite ? 0.0 : 1.0, stop_requested() ? 1.0 : 0.0,
-                       with_contacts && finite ? largest_overlap_here() : 0.0};
+  double largest[3] = {finite ? 0.0 : 1.0, stop_requested() ? 1.0 : 0.0, 0.0}, sums[2] = {energy, 0.0};
+  if (with_contacts && finite) {
+    for (const double overlap : largest_overlaps()) {
+      largest[2] = std::max(largest[2], overlap);
+      sums[1] += overlap > bounds_.overlap ? 1.0 : 0.0;
+    }
+  }
   MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
-  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   stop_asked = largest[1] > 0.0;
 
   if (with_contacts) {
@@ -103,18 +109,28 @@ Vitals FixGuard::measure(bool with_contacts, bool& stop_asked) {
   }
   return {.finite = largest[0] == 0.0,
           .overlap = largest[2],
-          .energy = energy,
+          .overlapping = static_cast<long>(sums[1]),
+          .present = balance_.present,
+          .energy = sums[0],
           .lost = lost_,
           .ever_present = ever_present_};
 }
 
-double FixGuard::largest_overlap_here() {
-  double largest = largest_pair_overlap(*lmp);
+std::vector<double> FixGuard::largest_overlaps() {
+  std::vector<double> largest(static_cast<std::size_t>(atom->nlocal), 0.0);
+  const auto note = [&](int i, double overlap) {
+    if (i < atom->nlocal)
+      largest[static_cast<std::size_t>(i)] = std::max(largest[static_cast<std::size_t>(i)], overlap);
+  };
+  const double* const radius = atom->radius;
+  for_each_pair(*lmp, [&](int i, int j, std::size_t, double distance2, double touching2) {
+    if (distance2 >= touching2) return;
+    const double overlap = radius[i] + radius[j] - std::sqrt(distance2);
+    note(i, overlap / radius[i]);
+    note(j, overlap / radius[j]);
+  });
   for (const auto& wall : find_all_walls(*lmp))
-    wall->touches([&](const WallTouch& touch) { largest = std::max(largest, touch.overlap); });
-  for (int i = 0; i < modify->nfix; ++i)
-    if (auto* tally = dynamic_cast<FixTally*>(modify->fix[i]))
-      largest = std::max(largest, tally->take_largest_overlap());
+    wall->touches([&](const WallTouch& touch) { note(touch.particle, touch.overlap); });
   return largest;
 }
 

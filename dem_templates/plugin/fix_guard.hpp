@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <fix.h>
 
@@ -33,7 +34,8 @@ class FixGuard : public LAMMPS_NS::Fix {
  private:
   void check(bool with_contacts);
   Vitals measure(bool with_contacts, bool& stop_asked);
-  double largest_overlap_here();
+  /// Of each particle of this rank, over its radius.
+  std::vector<double> largest_overlaps();
   [[noreturn]] void end_diverged(const Divergence& divergence);
 
   std::string file_, restart_file_;

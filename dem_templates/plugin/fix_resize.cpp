@@ -31,13 +31,20 @@ double volume_of(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius *
 }  // namespace
 
 FixResize::FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
-  FixArguments arguments(
-      fix_words(narg, arg),
-      {{"population"}, {"axis"}, {"space"}, {"mesh", 1, true}, {"type"}, {"seed"}, {"overlap"}, {"sweeps"}});
+  FixArguments arguments(fix_words(narg, arg), {{"population"},
+                                                {"axis"},
+                                                {"space"},
+                                                {"mesh", 1, true},
+                                                {"walls", 1, true},
+                                                {"type"},
+                                                {"seed"},
+                                                {"overlap"},
+                                                {"sweeps"}});
   const std::string file = arguments.text("population");
   options_.axis = arguments.axis("axis");
   space_ = arguments.text("space");
   for (const auto& mesh : arguments.all("mesh")) meshes_.push_back(mesh[0]);
+  for (const auto& walls : arguments.all("walls")) walls_.push_back(walls[0]);
   type_ = static_cast<int>(arguments.integer_or("type", 1, Range::between(1, atom->ntypes)));
   options_.seed = static_cast<std::uint64_t>(arguments.integer_or("seed", 1, Range::not_negative()));
   options_.overlap = arguments.number_or("overlap", options_.overlap, Range{1e-6, 0.5, true, true});
@@ -66,7 +73,7 @@ void FixResize::setup_pre_exchange() {
   const std::vector<Particle> particles = gather_particles();
   double largest = population_.largest_diameter();
   for (const Particle& particle : particles) largest = std::max(largest, particle.diameter);
-  auto space = machine_space(*lmp, space_, meshes_, largest);
+  auto space = machine_space(*lmp, space_, meshes_, walls_, largest);
   if (!space) refuse(space.error());
   auto plan = plan_resize(particles, population_, **space, options_);
   if (!plan) refuse(plan.error());

@@ -22,6 +22,9 @@ class FixResize : public LAMMPS_NS::Fix {
   void setup_pre_exchange() override;
   /// LIGGGHTS' cut-offs are set before the particles grow.
   double max_rad(int type) override;
+  /// Nor are there particles yet from which it would know their type.
+  int min_type() override { return type_; }
+  int max_type() override { return type_; }
 
  private:
   struct State {
@@ -39,7 +42,7 @@ class FixResize : public LAMMPS_NS::Fix {
   [[noreturn]] void refuse(const Error& why) const;
 
   std::string space_;
-  std::vector<std::string> meshes_;
+  std::vector<std::string> meshes_, walls_;
   int type_ = 1;
   ResizeOptions options_;
   Population population_;

@@ -20,6 +20,7 @@
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
 #include "dem_templates/plugin/tally/touch_speed.hpp"
+#include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace granary::dem {
 namespace {
@@ -64,11 +65,11 @@ FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
   }
   std::set<std::string> names;
   for (const auto& body : arguments.all("body")) {
-    if (body[1] != "mesh" && body[1] != "wall")
-      arguments.problem("'body " + body[0] + "' is a 'mesh' or a 'wall', not '" + body[1] + "'.");
+    if (body[1] != "mesh" && body[1] != "wall" && body[1] != "of")
+      arguments.problem("'body " + body[0] + "' is 'of' a granary/wall, a 'mesh' or a 'wall', not '" + body[1] + "'.");
     if (!names.insert(body[0]).second) arguments.problem("two bodies are named '" + body[0] + "'.");
     layout_.bodies.push_back(body[0]);
-    bodies_.push_back({body[0], body[1], body[2], nullptr});
+    bodies_.push_back({body[0], body[1], body[2]});
   }
   if (bodies_.size() > kMostBodies)
     arguments.problem("counts impacts on at most " + std::to_string(kMostBodies) + " bodies.");
@@ -81,7 +82,13 @@ FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
   atom->add_callback(0);
 }
 
-FixTally::~FixTally() { atom->delete_callback(id, 0); }
+FixTally::~FixTally() {
+  atom->delete_callback(id, 0);
+  // The walls may be gone before.
+  for (int f = 0; f < modify->nfix; ++f)
+    for (const Body& body : bodies_)
+      if (body.walls && modify->fix[f] == body.walls) body.walls->set_listener({});
+}
 
 int FixTally::setmask() {
   return LAMMPS_NS::FixConst::POST_FORCE | LAMMPS_NS::FixConst::PRE_EXCHANGE | LAMMPS_NS::FixConst::POST_RUN;
@@ -96,11 +103,44 @@ void FixTally::init() {
   require(force->newton_pair == 0, "needs 'newton off'.");
 
   for (Body& body : bodies_) {
-    auto wall = body.kind == "mesh" ? find_mesh_wall(*lmp, body.fix) : find_primitive_wall(*lmp, body.fix);
-    require(wall.has_value(), wall ? "" : "body '" + body.name + "': " + wall.error().message);
-    body.wall = std::move(wall).value();
-    require(body.wall->fix_index < modify->my_index(this),
-            "must come after the wall/gran fix of body '" + body.name + "'.");
+    const Status found = find(body);
+    require(found.has_value(), found ? "" : "body '" + body.name + "': " + found.error().message);
+    const int index = body.walls ? modify->my_index(body.walls) : body.wall->fix_index;
+    require(index < modify->my_index(this), "must come after the wall fix of body '" + body.name + "'.");
+  }
+  listen();
+}
+
+Status FixTally::find(Body& body) {
+  if (body.kind != "of") {
+    GRANARY_TRY(body.wall, body.kind == "mesh" ? find_mesh_wall(*lmp, body.fix) : find_primitive_wall(*lmp, body.fix));
+    return {};
+  }
+  body.walls = dynamic_cast<FixWall*>(modify->find_fix_id(body.fix.c_str()));
+  if (!body.walls) return Error{"there is no granary/wall fix '" + body.fix + "'."};
+  const auto names = body.walls->body_names();
+  const auto name = std::find(names.begin(), names.end(), body.name);
+  if (name == names.end()) return Error{"the granary/wall fix '" + body.fix + "' has no body of that name."};
+  body.place = static_cast<std::size_t>(name - names.begin());
+  for (int f = 0; f < modify->nfix; ++f)
+    if (const auto* other = dynamic_cast<FixTally*>(modify->fix[f]); other && other != this)
+      for (const Body& theirs : other->bodies_)
+        if (theirs.walls == body.walls)
+          return Error{"fix '" + std::string(other->id) + "' already counts the impacts on '" + body.fix + "'."};
+  return {};
+}
+
+// These walls look at every step: each impact is known as it begins.
+void FixTally::listen() {
+  for (const Body& body : bodies_) {
+    if (!body.walls) continue;
+    std::vector<std::size_t> number(body.walls->body_names().size(), bodies_.size());
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if (bodies_[b].walls == body.walls) number[bodies_[b].place] = b;
+    body.walls->set_listener([this, number](std::size_t place, int particle, double speed) {
+      if (number[place] == bodies_.size()) return;
+      window_->impact(number[place], 2.0 * atom->radius[particle], atom->x[particle][layout_.axis], speed);
+    });
   }
 }
 
@@ -122,6 +162,7 @@ void FixTally::post_force(int) {
   const auto step = static_cast<long>(update->ntimestep);
   if (step % every_ != 0) return;
   look(Purpose::count);
+  look_at_loads();
   last_look_ = step;
   const bool window_ends = step - window_start_ >= window_steps_;
   if (++looks_ % kLooksPerSurvey == 0 || window_ends) survey(Purpose::count);
@@ -183,16 +224,26 @@ void FixTally::count_collision(int i, int j) {
 void FixTally::look_at_walls(Purpose purpose) {
   bodies_touched_.assign(static_cast<std::size_t>(atom->nlocal), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!bodies_[b].wall) continue;
     bodies_[b].wall->touches([&](const WallTouch& touch) {
       const auto particle = static_cast<std::size_t>(touch.particle);
       const std::uint64_t bit = std::uint64_t{1} << b;
       bodies_touched_[particle] |= bit;
-      largest_overlap_ = std::max(largest_overlap_, touch.overlap);
       if (purpose == Purpose::remember) return;
       window_->overlap(touch.overlap);
       if (!(book_.memory(particle).bodies & bit)) count_impact(b, touch);
     });
   }
+}
+
+void FixTally::look_at_loads() {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!bodies_[b].walls) continue;
+    const FixWall::Load load = bodies_[b].walls->load(bodies_[b].place);
+    window_->load(b, {load.force, load.torque, load.axial_torque, load.power});
+    window_->overlap(bodies_[b].walls->take_largest_overlap());
+  }
+  window_->loads_done();
 }
 
 // The speed is that of the last look, when the wall had not pushed yet; a particle that is new here has only the
@@ -211,7 +262,6 @@ void FixTally::count_impact(std::size_t body, const WallTouch& touch) {
 
 void FixTally::survey(Purpose purpose) {
   const double overlap = largest_pair_overlap(*lmp);
-  largest_overlap_ = std::max(largest_overlap_, overlap);
   for (int i = 0; i < atom->nlocal; ++i) {
     const double* v = atom->v[i];
     const double axial = atom->x[i][layout_.axis];
@@ -261,8 +311,6 @@ void FixTally::leaves(int particle) {
   const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(particle));
   if (!std::isnan(last.axial)) window_->moved(last.axial, atom->x[particle][layout_.axis]);
 }
-
-double FixTally::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
 
 void FixTally::close_window() {
   MPI_Allreduce(MPI_IN_PLACE, window_->sums().data(), static_cast<int>(window_->sums().size()), MPI_DOUBLE, MPI_SUM,

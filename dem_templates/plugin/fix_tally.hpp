@@ -19,6 +19,8 @@
 
 namespace granary::dem {
 
+class FixWall;
+
 class FixTally : public LAMMPS_NS::Fix {
  public:
   FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg);
@@ -26,9 +28,6 @@ class FixTally : public LAMMPS_NS::Fix {
 
   /// granary/outlet is about to take out this particle: note that it crossed the last edge.
   void leaves(int particle);
-  /// The largest overlap seen by this rank since the last call, over the smaller radius.
-  double take_largest_overlap();
-
   // What LIGGGHTS calls.
   int setmask() override;
   void init() override;
@@ -44,8 +43,10 @@ class FixTally : public LAMMPS_NS::Fix {
 
  private:
   struct Body {
-    std::string name, kind, fix;  ///< kind: mesh or wall
-    std::unique_ptr<Wall> wall;
+    std::string name, kind, fix;  ///< kind: mesh, wall or of
+    std::unique_ptr<Wall> wall;   ///< mesh, wall: looked at
+    FixWall* walls = nullptr;     ///< of: tells of its impacts by itself
+    std::size_t place = 0;        ///< among the bodies of `walls`
   };
   enum class Purpose { remember, count };
 
@@ -53,8 +54,12 @@ class FixTally : public LAMMPS_NS::Fix {
   void look(Purpose purpose);
   void look_at_pairs(Purpose purpose);
   void look_at_walls(Purpose purpose);
+  void look_at_loads();
   void count_collision(int i, int j);
   void count_impact(std::size_t body, const WallTouch& touch);
+  /// Joins a body to its fix. Error: there is none.
+  Status find(Body& body);
+  void listen();
   /// What there is: particles, speeds, overlaps. Costs more and changes more slowly: at every fourth look.
   void survey(Purpose purpose);
 
@@ -85,7 +90,6 @@ class FixTally : public LAMMPS_NS::Fix {
   long looks_ = 0;                                     ///< since the start of the window
   double window_start_time_ = 0.0;                     ///< DEM clock [s]
   ParticleBalance balance_;                            ///< at the start of the window
-  double largest_overlap_ = 0.0;
 };
 
 }  // namespace granary::dem

@@ -13,6 +13,7 @@
 #include <tri_mesh.h>
 
 #include "dem_templates/plugin/resize/triangles.hpp"
+#include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace granary::dem {
 namespace {
@@ -85,7 +86,8 @@ std::vector<Triangle> gather_triangles(LAMMPS_NS::LAMMPS& lammps, LAMMPS_NS::Tri
 }  // namespace
 
 Result<std::unique_ptr<FreeSpace>> machine_space(LAMMPS_NS::LAMMPS& lammps, const std::string& region,
-                                                 const std::vector<std::string>& meshes, double reach) {
+                                                 const std::vector<std::string>& meshes,
+                                                 const std::vector<std::string>& walls, double reach) {
   const int index = lammps.domain->find_region(region.c_str());
   if (index < 0) return Error{"there is no region '" + region + "'."};
   std::vector<Triangle> triangles;
@@ -94,6 +96,14 @@ Result<std::unique_ptr<FreeSpace>> machine_space(LAMMPS_NS::LAMMPS& lammps, cons
     if (!mesh) return Error{"there is no fix mesh/surface '" + name + "'."};
     const auto own = gather_triangles(lammps, *mesh->triMesh());
     triangles.insert(triangles.end(), own.begin(), own.end());
+  }
+  for (const std::string& name : walls) {
+    auto* ours = dynamic_cast<FixWall*>(lammps.modify->find_fix_id(name.c_str()));
+    if (!ours) return Error{"there is no fix granary/wall '" + name + "'."};
+    for (std::size_t b = 0; b < ours->body_names().size(); ++b) {
+      const auto own = ours->triangles(b);
+      triangles.insert(triangles.end(), own.begin(), own.end());
+    }
   }
   return std::unique_ptr<FreeSpace>(
       std::make_unique<MachineSpace>(lammps, *lammps.domain->regions[index], Triangles(std::move(triangles), reach)));

@@ -12,6 +12,8 @@
 #include <primitive_wall.h>
 #include <tri_mesh.h>
 
+#include "dem_templates/plugin/wall/fix_wall.hpp"
+
 namespace granary::dem {
 namespace {
 
@@ -141,6 +143,9 @@ std::vector<std::unique_ptr<Wall>> find_all_walls(LAMMPS_NS::LAMMPS& lammps) {
       if (wall.mesh_list()[m]->contactHistory())
         walls.push_back(std::make_unique<MeshWall>(lammps, *wall.mesh_list()[m], index));
   });
+  for (int i = 0; i < lammps.modify->nfix; ++i)
+    if (auto* ours = dynamic_cast<FixWall*>(lammps.modify->fix[i]))
+      for (const std::string& name : ours->body_names()) walls.push_back(ours->body(name));
   return walls;
 }
 

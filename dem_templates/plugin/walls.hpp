@@ -1,4 +1,4 @@
-// The bodies particles can hit: meshes and primitive walls of LIGGGHTS' wall/gran fixes.
+// The bodies particles can hit: those of granary/wall, and meshes and primitive walls of LIGGGHTS' wall/gran fixes.
 #pragma once
 
 #include <array>
@@ -27,9 +27,9 @@ class Wall {
  public:
   virtual ~Wall() = default;
   /// Calls `found` once for each particle that touches this body now: where it touches several triangles, with the
-  /// deepest touch. Valid after the wall/gran fix of this body has computed the forces of the step.
+  /// deepest touch. Valid after the fix of this body has computed the forces of the step.
   virtual void touches(const std::function<void(const WallTouch&)>& found) const = 0;
-  /// Place of that wall/gran fix in LIGGGHTS' list of fixes.
+  /// Place of that fix in LIGGGHTS' list of fixes.
   int fix_index = 0;
 };
 

@@ -14,13 +14,11 @@
 #include "dem_templates/render/regions.hpp"
 #include "dem_templates/render/render.hpp"
 #include "dem_templates/render/time_step.hpp"
+#include "dem_templates/render/wall_commands.hpp"
 #include "dem_templates/templates.hpp"
 
 namespace granary::dem {
 namespace {
-
-bool turns(const Body& body) { return body.rotation && body.rotation->speed != 0.0; }
-bool nothing_turns(const std::vector<Body>& all) { return std::none_of(all.begin(), all.end(), turns); }
 
 namespace fs = std::filesystem;
 
@@ -30,8 +28,6 @@ constexpr long kThermoLines = 20;  // of a burst's log
 std::string number(long n) { return fmt::format("{}", n); }
 
 std::string_view axis_name(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
-
-std::string vector_text(Vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 
 long particles_of(const DemCase& c) {
   long sum = 0;
@@ -53,10 +49,6 @@ double mass_of(const DemCase& c) {
 double energy_bound(const DemCase& c, const Box3& box) {
   const double tip = tip_speed(c.machine), fall = std::abs(dot(gravity_direction(c.machine), box.high - box.low));
   return c.guard.energy_factor * mass_of(c) * (0.5 * tip * tip + kGravity * fall);
-}
-
-std::string rolling_style(const DemCase& c) {
-  return c.contact.rolling_friction > 0.0 ? " rolling_friction epsd2" : "";
 }
 
 Result<std::string> state_commands(const DemCase& c, const Box3& box) {
@@ -85,45 +77,20 @@ Result<std::string> material_commands(const Contact& m) {
   return text;
 }
 
-Result<std::string> wall_commands(const DemCase& c, const std::vector<Body>& all) {
-  std::vector<std::string> meshes, moves, names;
-  for (const Body& body : all) {
-    names.push_back(body.name);
-    meshes.push_back(fmt::format("fix {0} all mesh/surface file meshes/{0}.stl type 2", body.name));
-    if (!turns(body)) continue;
-    // `rotate` takes the period of a turn, not a speed.
-    moves.push_back(fmt::format("fix turn_{0} all move/mesh mesh {0} rotate origin {1} axis {2} period {3}", body.name,
-                                vector_text(body.rotation->point), vector_text(unit(body.rotation->axis)),
-                                2.0 * kPi / body.rotation->speed));
-  }
-  return render(templates::walls, "walls.tmpl",
-                {{"meshes", fmt::format("{}", fmt::join(meshes, "\n"))},
-                 {"rolling", rolling_style(c)},
-                 {"n_meshes", number(static_cast<long>(all.size()))},
-                 {"mesh_names", fmt::format("{}", fmt::join(names, " "))},
-                 {"moves", fmt::format("{}", fmt::join(moves, "\n"))}});
-}
-
 Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all) {
   const Schedule schedule = schedule_of(c);
-  std::string resize_meshes, tally_bodies;
-  for (const Body& body : all) {
-    resize_meshes += " mesh " + body.name;
-    // A particle that slides along the shell touches facet after facet of its polygon: so many glancing touches, the
-    // more the finer the mesh, are no impacts. Those that break granules are the rotors'.
-    if (turns(body) || nothing_turns(all)) tally_bodies += fmt::format(" &\n          body {0} mesh {0}", body.name);
-  }
   std::vector<double> edges{c.population.front().from};
   for (const Population& p : c.population) edges.push_back(p.to);
   return render(templates::run, "run.tmpl",
                 {{"space", space_commands(c.machine)},
                  {"guard_every", number(kGuardEvery)},
                  {"overlap", digits(c.guard.largest_overlap)},
+                 {"overlapping", digits(c.guard.overlapping_fraction)},
                  {"energy", digits(energy_bound(c, simulation_box(all)))},
                  {"lost", digits(c.guard.lost_fraction)},
                  {"thermo", number(std::max(1L, (schedule.settle + schedule.steps) / kThermoLines))},
                  {"axis", std::string(axis_name(axis_of(c.machine)))},
-                 {"resize_meshes", resize_meshes},
+                 {"resize_walls", resize_walls(c, all)},
                  {"seed", number(c.seed)},
                  {"settle_steps", number(schedule.settle)},
                  {"every", number(c.tally.every)},
@@ -131,7 +98,7 @@ Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all)
                  {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
                  {"classes", fmt::format("{} {}", c.tally.class_edges.size() - 1, fmt::join(c.tally.class_edges, " "))},
                  {"coarse_graining", digits(c.coarse_graining)},
-                 {"tally_bodies", tally_bodies},
+                 {"tally_bodies", tally_bodies(c, all)},
                  {"steps", number(schedule.steps)}});
 }
 
@@ -152,6 +119,11 @@ Status check_restart(const DemCase& c, const fs::path& folder) {
     walls.machine = m;
     return to_json(walls)["machine"];
   };
+  if (previous.walls != c.walls)
+    return Error{
+        fmt::format("{}: was written with other walls ({}, /walls), which keep the blades' angle in another "
+                    "way. Start without a restart, or keep the walls.",
+                    file.string(), before.string())};
   if (!(same_walls(previous.machine) == same_walls(c.machine)))
     return Error{fmt::format(
         "{}: is the restart of another case: its machine ({}, /machine) is not this burst's. Start without a restart.",
@@ -176,6 +148,7 @@ double neighbour_skin(const DemCase& c) {
   for (const Population& p : c.population)
     for (std::size_t i = 0; i < p.diameter.size(); ++i)
       if (p.count[i] > 0) largest = std::max(largest, p.diameter[i]);
+  if (c.walls == Walls::granary) return 0.8 * largest;
   const double best = 8.5 * std::sqrt(tip_speed(c.machine) * c.time_step * largest);
   return std::clamp(best, 0.25 * largest, 2.0 * largest);
 }

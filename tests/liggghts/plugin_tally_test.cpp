@@ -51,23 +51,31 @@ TEST(Tally, CountsAPairOnceThatCrossesFromOneRankToTheOther) {
   EXPECT_EQ(Counted(folder).all_collisions(), 1.0);
 }
 
-TEST(Tally, CountsThreeBouncesWithTheSpeedsOfFreeFall) {
-  const Folder folder;
-  const double height = 0.02, speed = std::sqrt(2 * kGravity * height);
-  const std::string deck = head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) +
-                           particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) +
-                           "fix g all gravity 9.81 vector 0 0 -1\n" +
-                           "fix floor all wall/gran model hertz tangential history primitive type 1 zplane 0.0\n" +
-                           tally(kOneBin + "body floor wall floor", 5, 2000) + "run 66000\n";
-  ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+/// The same body as LIGGGHTS' wall and as ours.
+struct Body {
+  std::string walls, keywords;
+};
 
-  const Counted counted(folder);
-  EXPECT_EQ(counted.impacts("floor"), 3.0);
-  const auto speeds = counted.speeds("impact_speed");
-  ASSERT_EQ(speeds.size(), 3u);
-  EXPECT_NEAR(speeds[0], speed, 1e-3 * speed);
-  EXPECT_NEAR(speeds[1], 0.9 * speed, 0.02 * speed);
-  EXPECT_NEAR(speeds[2], 0.81 * speed, 0.03 * speed);
+TEST(Tally, CountsThreeBouncesWithTheSpeedsOfFreeFall) {
+  const Body stock{"fix floor all wall/gran model hertz tangential history primitive type 1 zplane 0.0\n",
+                   "body floor wall floor"};
+  const Body ours{"fix walls all granary/wall type 1 plane floor 0 0 0 0 0 1\n", "body floor of walls"};
+  for (const Body& body : {stock, ours}) {
+    const Folder folder;
+    const double height = 0.02, speed = std::sqrt(2 * kGravity * height);
+    const std::string deck =
+        head("-0.02 0.02 -0.02 0.02 -0.01 0.05") + physics(0.9) + particles({{0, 0, height + 0.002, 0, 0, 0, 0.004}}) +
+        "fix g all gravity 9.81 vector 0 0 -1\n" + body.walls + tally(kOneBin + body.keywords, 5, 2000) + "run 66000\n";
+    ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+
+    const Counted counted(folder);
+    EXPECT_EQ(counted.impacts("floor"), 3.0);
+    const auto speeds = counted.speeds("impact_speed");
+    ASSERT_EQ(speeds.size(), 3u);
+    EXPECT_NEAR(speeds[0], speed, 1e-3 * speed);
+    EXPECT_NEAR(speeds[1], 0.9 * speed, 0.02 * speed);
+    EXPECT_NEAR(speeds[2], 0.81 * speed, 0.03 * speed);
+  }
 }
 
 std::string triangle(const std::array<std::array<double, 3>, 3>& corners) {
@@ -102,21 +110,49 @@ TEST(Tally, TakesTheSpeedOfAMovingWallIntoAccount) {
   folder.write("paddle.stl", solid(triangle({{{0.01, 0, -0.01}, {0.05, 0, -0.01}, {0.05, 0, 0.01}}}) +
                                    triangle({{{0.01, 0, -0.01}, {0.05, 0, 0.01}, {0.01, 0, 0.01}}})));
   const double omega = 10.0, radius = 0.002;
-  const std::string deck =
-      head("-0.08 0.08 -0.08 0.08 -0.02 0.02") + physics(0.9) + particles({{0.03, 0.01, 0, 0, 0, 0, 2 * radius}}) +
-      "fix paddle all mesh/surface file paddle.stl type 1\n" +
-      "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes paddle\n" +
-      "fix turn all move/mesh mesh paddle rotate origin 0 0 0 axis 0 0 1 period " + std::to_string(2 * M_PI / omega) +
-      "\n" + tally(kOneBin + "body paddle mesh paddle") + "run 8000\n";
-  const double expected = omega * std::sqrt(0.03 * 0.03 + 0.01 * 0.01 - radius * radius);
+  const Body stock{
+      "fix paddle all mesh/surface file paddle.stl type 1\n"
+      "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes paddle\n"
+      "fix turn all move/mesh mesh paddle rotate origin 0 0 0 axis 0 0 1 period " +
+          std::to_string(2 * M_PI / omega) + "\n",
+      "body paddle mesh paddle"};
+  const Body ours{"fix walls all granary/wall type 1 mesh paddle paddle.stl rotate paddle 0 0 0 0 0 1 rad/s " +
+                      std::to_string(omega) + "\n",
+                  "body paddle of walls"};
+  for (const Body& body : {stock, ours}) {
+    const std::string deck = head("-0.08 0.08 -0.08 0.08 -0.02 0.02") + physics(0.9) +
+                             particles({{0.03, 0.01, 0, 0, 0, 0, 2 * radius}}) + body.walls +
+                             tally(kOneBin + body.keywords) + "run 8000\n";
+    const double expected = omega * std::sqrt(0.03 * 0.03 + 0.01 * 0.01 - radius * radius);
 
-  for (int ranks : {1, 2}) {
-    ASSERT_EQ(run_deck(folder, deck, ranks), 0) << folder.read("err");
-    const Counted counted(folder);
-    EXPECT_EQ(counted.impacts("paddle"), 1.0) << ranks << " ranks";
-    ASSERT_EQ(counted.speeds("impact_speed").size(), 1u);
-    EXPECT_NEAR(counted.speeds("impact_speed")[0], expected, 0.005 * expected);
+    for (int ranks : {1, 2}) {
+      ASSERT_EQ(run_deck(folder, deck, ranks), 0) << folder.read("err");
+      const Counted counted(folder);
+      EXPECT_EQ(counted.impacts("paddle"), 1.0) << ranks << " ranks";
+      ASSERT_EQ(counted.speeds("impact_speed").size(), 1u);
+      EXPECT_NEAR(counted.speeds("impact_speed")[0], expected, 0.005 * expected);
+    }
   }
+}
+
+// A drum that turns carries its bed up: what its wall bears must be the bed's weight and what turns it.
+TEST(Tally, TellsWhatABodyBears) {
+  const Folder folder;
+  const double radius = 0.02, mass = 1000.0 * M_PI / 6.0 * std::pow(0.004, 3);
+  std::vector<TestParticle> list;
+  for (int n = 0; n < 7; ++n) list.push_back({0.005 * n - 0.015, 0, -radius + 0.002, 0, 0, 0, 0.004});
+  const std::string deck =
+      head("-0.03 0.03 -0.03 0.03 -0.03 0.03") + physics(0.3, 0.5) + particles(list) +
+      "fix g all gravity 9.81 vector 0 0 -1\n" +
+      "fix walls all granary/wall type 1 cylinder drum 0 0 0 1 0 0 0.02 rotate drum 0 0 0 1 0 0 rad/s 5\n" +
+      tally(kOneBin + "body drum of walls", 5, 10000) + "run 20000\n";
+  ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+
+  const Counted counted(folder);
+  const json::Value& load = counted.windows.back()["loads"]["drum"];
+  EXPECT_NEAR(load.numbers("force_N")[2], -7 * mass * kGravity, 0.03 * 7 * mass * kGravity);
+  EXPECT_NEAR(load.number_or("power_W", 0), -5.0 * load.number_or("axial_torque_N_m", 0), 1e-12);
+  EXPECT_GE(load.number_or("power_W", 0), 0.0);
 }
 
 TEST(Tally, CountsWhoCrossesEdgesAndWhoLeaves) {

@@ -120,6 +120,12 @@ TEST(MixerDeck, RunsAtTipSpeedAndLosesNothing) {
   EXPECT_LT(counted.total("left"), 60.0);
   EXPECT_GT(counted.impacts("impeller"), 30.0);
   EXPECT_GT(counted.all_collisions(), 10.0);
+  for (const json::Value& window : counted.windows) {
+    const json::Value& load = window["loads"]["impeller"];
+    EXPECT_GT(load.number_or("power_W", 0), 1.0);
+    EXPECT_NEAR(load.number_or("power_W", 0), -load.number_or("axial_torque_N_m", 0) * c.machine.impeller_speed,
+                1e-9 * load.number_or("power_W", 0));
+  }
   const Speeds speeds = read_speeds(folder.read("0001-dem/speeds.txt"));
   EXPECT_TRUE(speeds.finite);
   const double tip = tip_speed(c.machine);
@@ -128,9 +134,45 @@ TEST(MixerDeck, RunsAtTipSpeedAndLosesNothing) {
   EXPECT_TRUE(fs::is_regular_file(folder / "0001-dem" / "restart.liggghts"));
 }
 
-TEST(MixerDeck, ARestartGoesOnWithTheBladesWhereTheyWereAndHasTheNewSizes) {
+/// Where the particles are at the end of a run: dumped at the last step of the burst.
+constexpr const char* kDumpPlaces = "dump places all custom 500 places.txt id x y z\ndump_modify places sort id\n";
+
+std::string last_snapshot(const std::string& text) { return text.substr(text.rfind("ITEM: ATOMS")); }
+
+TEST(MixerDeck, ARunCutByARestartGoesOnAsIfItHadNotBeenCut) {
+  Folder folder;
+  DemCase c = filled(Machine{}, 24, 0.004, 4);  // so few that none is squeezed, and moved by the resize, at the cut
+  c.machine.mixer.outlet_open = false;
+  c.settle_time = 0.0;
+  c.duration = 0.02;
+  ASSERT_EQ(run_burst(folder, "whole", c, kDumpPlaces), 0) << folder.read("err");
+
+  c.duration = 0.01;
+  ASSERT_EQ(run_burst(folder, "0001-dem", c, kDumpPlaces), 0) << folder.read("err");
+  c.restart = "../0001-dem/restart.liggghts";
+  ASSERT_EQ(run_burst(folder, "0002-dem", c, kDumpPlaces), 0) << folder.read("err");
+
+  EXPECT_EQ(last_snapshot(folder.read("0002-dem/places.txt")), last_snapshot(folder.read("whole/places.txt")));
+  EXPECT_NE(last_snapshot(folder.read("0001-dem/places.txt")), last_snapshot(folder.read("whole/places.txt")));
+  EXPECT_GT(Counted(folder, "0002-dem/tallies.jsonl").impacts("impeller"), 3.0);
+}
+
+TEST(MixerDeck, ARestartIntoOtherWallsIsRefused) {
   Folder folder;
   DemCase c = a_mixer();
+  ASSERT_TRUE(write_burst(c, folder / "0001-dem"));
+  folder.write("0001-dem/restart.liggghts", "");
+  c.restart = "../0001-dem/restart.liggghts";
+  c.walls = Walls::stock;
+  const Status refused = write_burst(c, folder / "0002-dem");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("other walls"));
+}
+
+TEST(MixerDeck, ARestartOnStockWallsGoesOnWithTheBladesWhereTheyWereAndHasTheNewSizes) {
+  Folder folder;
+  DemCase c = a_mixer();
+  c.walls = Walls::stock;
   c.settle_time = 0.005;
   c.duration = 0.0075;
   c.tally.window = 0.0025;

@@ -93,6 +93,8 @@ void add_dem_windows(DemSeries& dem, std::int64_t burst, double start, double le
     dem.collisions.push_back(38000.0 * settled * (1.0 + 0.05 * noise(w, 1)));
     dem.impacts.push_back(
         {5200.0 * settled * (1.0 + 0.06 * noise(w, 2)), 9100.0 * settled * (1.0 + 0.05 * noise(w, 3))});
+    dem.torque.push_back({0.09 * settled, 0.31 * settled * (1.0 + 0.02 * noise(w, 6))});
+    dem.power.push_back({0.0, 65.0 * settled * (1.0 + 0.02 * noise(w, 6))});
     dem.speed.emplace_back();
     for (std::size_t k = 0; k < 6; ++k)
       dem.speed.back().push_back(settled * (2.1 - 0.12 * static_cast<double>(k)) * (1.0 + 0.03 * noise(w, 9 + k)));
@@ -262,8 +264,9 @@ CampaignResults awkward_results() {
              counted(4, 2.0),
              {filled(3, 7, 1.0), filled(3, 7, 2.0), filled(3, 7, 3.0), filled(3, 7, 4.0)},
              filled(4, 7, 5.0)};
-  r.dem = {{"shell", text},   counted(6, 0.0),   {1, 1, 1, 3, 3, 3}, counted(6, 1.0), counted(6, 2.0),
-           filled(6, 2, 3.0), filled(6, 9, 4.0), counted(6, 5.0),    counted(6, 6.0)};
+  r.dem = {{"shell", text},   counted(6, 0.0),   {1, 1, 1, 3, 3, 3}, counted(6, 1.0),
+           counted(6, 2.0),   filled(6, 2, 3.0), filled(6, 2, 7.0),  filled(6, 2, 8.0),
+           filled(6, 9, 4.0), counted(6, 5.0),   counted(6, 6.0)};
   r.dem.speed[2][8] = kNan;
   r.rates = {{1,
               0.25,

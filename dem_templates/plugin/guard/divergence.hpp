@@ -11,15 +11,18 @@ namespace granary::dem {
 
 /// Beyond these a run has diverged.
 struct Bounds {
-  double overlap = 0.2;          ///< of the smaller particle's radius
-  std::optional<double> energy;  ///< translational kinetic energy of all particles [J]
-  double lost_fraction = 0.02;   ///< of all particles that ever were in it
+  double overlap = 0.5;                ///< of a particle's radius ...
+  double overlapping_fraction = 0.01;  ///< ... that no larger share of the particles, and no more than one, may exceed
+  std::optional<double> energy;        ///< translational kinetic energy of all particles [J]
+  double lost_fraction = 0.02;         ///< of all particles that ever were in it
 };
 
 /// How the run is doing, over all ranks.
 struct Vitals {
-  bool finite = true;     ///< all positions and velocities are numbers
-  double overlap = 0.0;   ///< largest since the last check
+  bool finite = true;    ///< all positions and velocities are numbers
+  double overlap = 0.0;  ///< largest now, over the particle's radius
+  long overlapping = 0;  ///< particles that overlap by more than Bounds::overlap
+  long present = 0;
   double energy = 0.0;    ///< [J]
   long lost = 0;          ///< since the start
   long ever_present = 0;  ///< at the start, or inserted since

@@ -12,6 +12,7 @@ using json::Array;
 using json::Value;
 
 constexpr std::size_t kMoments = 4;  // count, sum, sum of ln, sum of ln^2
+constexpr std::size_t kLoad = 8;     // force, torque, axial torque, power
 constexpr double kSlowest = 1e-12;   // a speed of zero has no logarithm [m/s]
 
 Value counts(std::span<const double> values) {
@@ -65,7 +66,7 @@ Value header_line(const TallyLayout& layout, const TallyHeader& header) {
                         {"seed", static_cast<std::int64_t>(header.seed)}});
 }
 
-Window::Window(const TallyLayout& layout) : layout_(layout), maxima_(1, 0.0) {
+Window::Window(const TallyLayout& layout) : layout_(layout), maxima_(1, 0.0), loaded_(layout.bodies.size(), false) {
   const std::size_t K = layout.n_classes(), X = layout.n_compartments(), B = layout.bodies.size(),
                     H = layout.n_speeds();
   std::size_t size = 0;
@@ -83,6 +84,7 @@ Window::Window(const TallyLayout& layout) : layout_(layout), maxima_(1, 0.0) {
   kinetic_energy_ = place(1);
   collision_speed_ = {place(kMoments + H)};
   impact_speed_ = {place(kMoments + H)};
+  loads_ = place(B * kLoad);
   sums_.assign(size, 0.0);
 }
 
@@ -116,6 +118,31 @@ void Window::moved(double axial_before, double axial_now) {
   const std::ptrdiff_t before = edges_passed(edges, axial_before), now = edges_passed(edges, axial_now);
   for (std::ptrdiff_t e = before; e < now; ++e) sums_[axial_flux_ + static_cast<std::size_t>(e)] += 1.0;
   for (std::ptrdiff_t e = now; e < before; ++e) sums_[axial_flux_ + static_cast<std::size_t>(e)] -= 1.0;
+}
+
+void Window::load(std::size_t body, const BodyLoad& load) {
+  double* sums = &sums_[loads_ + body * kLoad];
+  for (std::size_t d = 0; d < 3; ++d) {
+    sums[d] += load.force[d];
+    sums[3 + d] += load.torque[d];
+  }
+  sums[6] += load.axial_torque;
+  sums[7] += load.power;
+  loaded_[body] = true;
+}
+
+Value Window::loads() const {
+  const double per_look = load_looks_ > 0 ? 1.0 / static_cast<double>(load_looks_) : 0.0;
+  Value loads = Value::object();
+  for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
+    if (!loaded_[b]) continue;
+    const auto sums = part(loads_ + b * kLoad, kLoad);
+    loads.set(layout_.bodies[b], Value::object({{"force_N", scaled(sums.first(3), per_look)},
+                                                {"torque_N_m", scaled(sums.subspan(3, 3), per_look)},
+                                                {"axial_torque_N_m", sums[6] * per_look},
+                                                {"power_W", sums[7] * per_look}}));
+  }
+  return loads;
 }
 
 void Window::add_speed(SpeedSums where, double speed) {
@@ -181,6 +208,7 @@ Value Window::line(const WindowEnd& end) const {
                         {"axial_flux", counts(part(axial_flux_, X + 1))},
                         {"kinetic_energy_J", sums_[kinetic_energy_] * per_survey},
                         {"largest_overlap", maxima_[0]},
+                        {"loads", loads()},
                         {"inserted", static_cast<std::int64_t>(end.inserted)},
                         {"left", static_cast<std::int64_t>(end.left)},
                         {"lost", static_cast<std::int64_t>(end.lost)}});
@@ -189,7 +217,7 @@ Value Window::line(const WindowEnd& end) const {
 void Window::clear() {
   std::fill(sums_.begin(), sums_.end(), 0.0);
   std::fill(maxima_.begin(), maxima_.end(), 0.0);
-  surveys_ = 0;
+  surveys_ = load_looks_ = 0;
 }
 
 }  // namespace granary::dem

@@ -1,6 +1,7 @@
 // What is counted between two lines of tallies.jsonl, and the lines themselves (docs/exchange_formats.md).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -48,6 +49,14 @@ struct WindowEnd {
   long inserted = 0, left = 0, lost = 0;
 };
 
+/// What particles do to a body.
+struct BodyLoad {
+  std::array<double, 3> force{};   ///< [N]
+  std::array<double, 3> torque{};  ///< about the origin of its axis [N m]
+  double axial_torque = 0.0;       ///< about its axis [N m]
+  double power = 0.0;              ///< that the body gives to the particles [W]
+};
+
 /// The sums of one rank over one window. Add up sums() and take the maximum of maxima() over the ranks, then print.
 class Window {
  public:
@@ -65,6 +74,9 @@ class Window {
     if (fraction > maxima_[0]) maxima_[0] = fraction;
   }
   void survey_done() { ++surveys_; }
+  /// The load of a body at a look; bodies that are never given one have none in the line.
+  void load(std::size_t body, const BodyLoad& load);
+  void loads_done() { ++load_looks_; }
 
   double largest_overlap() const { return maxima_[0]; }
   std::span<double> sums() { return sums_; }
@@ -79,15 +91,17 @@ class Window {
   };
   void add_speed(SpeedSums where, double speed);
   json::Value speed_summary(SpeedSums where) const;
+  json::Value loads() const;
   std::span<const double> part(std::size_t at, std::size_t n) const { return std::span(sums_).subspan(at, n); }
 
   const TallyLayout& layout_;
   std::size_t particles_, solid_volume_, axial_velocity_, collisions_, collisions_by_compartment_, impacts_,
-      impacts_by_compartment_, speed_, speed_squared_, axial_flux_, kinetic_energy_;  ///< places in sums_
+      impacts_by_compartment_, speed_, speed_squared_, axial_flux_, kinetic_energy_, loads_;  ///< places in sums_
   SpeedSums collision_speed_, impact_speed_;
   std::vector<double> sums_;
   std::vector<double> maxima_;
-  long surveys_ = 0;
+  std::vector<bool> loaded_;  ///< of each body: was given a load
+  long surveys_ = 0, load_looks_ = 0;
 };
 
 }  // namespace granary::dem

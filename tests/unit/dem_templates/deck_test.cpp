@@ -27,6 +27,12 @@ DemCase a_case() {
   return c;
 }
 
+DemCase a_stock_case() {
+  DemCase c = a_case();
+  c.walls = Walls::stock;
+  return c;
+}
+
 DemCase a_bowl() {
   DemCase c = a_case();
   c.machine.type = Machine::Type::batch_bowl;
@@ -75,12 +81,12 @@ TEST(InputScript, FirstBurstBeginsWithAnEmptyBoxALaterOneWithTheRestart) {
   EXPECT_THAT(script_of(c), AllOf(HasSubstr("create_box"), Not(HasSubstr("read_restart"))));
   c.restart = "../0001-dem/restart.liggghts";
   EXPECT_THAT(script_of(c), AllOf(HasSubstr("read_restart  ../0001-dem/restart.liggghts\n"),
-                                  Not(HasSubstr("create_box")), HasSubstr("fix turn_impeller"),
+                                  Not(HasSubstr("create_box")), HasSubstr("fix walls all granary/wall"),
                                   HasSubstr("newton        off"), HasSubstr("communicate   single vel yes")));
 }
 
 TEST(InputScript, RotationIsAPeriodNotASpeed) {
-  DemCase c = a_case();
+  DemCase c = a_stock_case();
   c.machine.impeller_speed = 2000.0 / 60 * 2 * 3.14159265358979323846;  // 2000 rpm
   const std::string script = script_of(c);
   const auto at = script.find(" period ");
@@ -91,6 +97,10 @@ TEST(InputScript, RotationIsAPeriodNotASpeed) {
 TEST(InputScript, AStandingRotorHasNoMove) {
   DemCase c = a_bowl();
   c.machine.chopper_speed = 0.0;
+  EXPECT_THAT(script_of(c),
+              AllOf(HasSubstr("mesh chopper meshes/chopper.stl"), HasSubstr("rotate impeller 0 0 0 0 0 1 rad/s 31.4"),
+                    Not(HasSubstr("rotate chopper"))));
+  c.walls = Walls::stock;
   EXPECT_THAT(script_of(c), AllOf(HasSubstr("fix turn_impeller"), Not(HasSubstr("turn_chopper")),
                                   HasSubstr("n_meshes 3 meshes shell impeller chopper")));
 }
@@ -100,9 +110,11 @@ TEST(InputScript, RollingFrictionOnlyWhereThereIsSome) {
   EXPECT_THAT(script_of(c), Not(HasSubstr("rolling_friction")));
   c.contact.rolling_friction = 0.1;
   const std::string script = script_of(c);
-  EXPECT_THAT(script, AllOf(HasSubstr("pair_style    gran model hertz tangential history rolling_friction epsd2"),
-                            HasSubstr("wall/gran model hertz tangential history rolling_friction epsd2 mesh"),
-                            HasSubstr("coefficientRollingFriction")));
+  EXPECT_THAT(script,
+              AllOf(HasSubstr("pair_style    gran model hertz tangential history rolling_friction epsd2"),
+                    HasSubstr("granary/wall type 2 rolling_friction epsd2"), HasSubstr("coefficientRollingFriction")));
+  c.walls = Walls::stock;
+  EXPECT_THAT(script_of(c), HasSubstr("wall/gran model hertz tangential history rolling_friction epsd2 mesh"));
 }
 
 TEST(InputScript, FeedsOnlyWhereAsked) {
@@ -121,11 +133,12 @@ TEST(InputScript, TheMixerHasAnOutletTheBowlHasNone) {
 TEST(InputScript, TalliesWhatTheCaseAsksFor) {
   EXPECT_THAT(script_of(a_case()),
               AllOf(HasSubstr("compartments 2 0 0.22 0.44"), HasSubstr("classes 2 0.001 0.0035 0.005"),
-                    HasSubstr("window 1000"), HasSubstr("body impeller mesh impeller")));
+                    HasSubstr("window 1000"), HasSubstr("body impeller of walls")));
+  EXPECT_THAT(script_of(a_stock_case()), HasSubstr("body impeller mesh impeller"));
 }
 
 TEST(NeighbourSkin, StaysWithinTheParticlesSize) {
-  DemCase c = a_case();
+  DemCase c = a_stock_case();
   for (double speed : {0.0, 20.0, 209.0, 2000.0}) {
     c.machine.impeller_speed = speed;
     EXPECT_GE(neighbour_skin(c), 0.25 * 0.004);
