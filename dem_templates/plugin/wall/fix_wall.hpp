@@ -2,6 +2,7 @@
 // touched is surface.hpp, how they push contact_law.hpp; here both meet LIGGGHTS. Syntax: docs/dem_styles.md.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,8 +13,9 @@
 
 #include "common/result.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
-#include "dem_templates/plugin/wall/surface.hpp"
 #include "dem_templates/plugin/wall/touch_book.hpp"
+#include "dem_templates/plugin/wall/wall_settings.hpp"
+#include "dem_templates/plugin/wall/watch.hpp"
 #include "dem_templates/plugin/walls.hpp"
 
 namespace granary::dem {
@@ -34,7 +36,6 @@ class FixWall : public LAMMPS_NS::Fix {
   using ImpactListener = std::function<void(std::size_t body, int particle, double speed)>;
   /// There is one listener; an empty one takes its place when it goes.
   void set_listener(ImpactListener listener) { listener_ = std::move(listener); }
-  bool has_listener() const { return listener_ != nullptr; }
 
   /// What this rank's particles do to a body in this step.
   struct Load {
@@ -72,50 +73,27 @@ class FixWall : public LAMMPS_NS::Fix {
 
  private:
   static constexpr std::size_t kSums = 9;
-  struct Body {
-    std::string name;
-    std::unique_ptr<Surface> surface;
-    Rotation rotation;
-    // angle = start_angle + (step - start_step) angle_per_step: set anew only when rate or time step change, so that
-    // a run goes on over a restart with the very same angles.
-    double start_angle = 0.0, angle_per_step = 0.0;
-    long start_step = -1;
-    bool turned = false;
-    Turn turn;  ///< now
-    double sums[kSums] = {};
-
-    double angle(long step) const { return start_angle + static_cast<double>(step - start_step) * angle_per_step; }
-    Vector3 to_body(const Vector3& place) const { return rotation.origin + turn.to_body(place - rotation.origin); }
-    Vector3 to_lab(const Vector3& place) const { return rotation.origin + turn.to_lab(place - rotation.origin); }
-  };
   class BodyWall;
-  /// When a particle was last looked at: the body keeps this distance from there.
-  struct Look {
-    Vector3 place{};              ///< of the centre, in the body's frame
-    double clear_distance = 0.0;  ///< [m]
-  };
 
-  void read(FixArguments& arguments);
-  void add_body(FixArguments& arguments, const std::string& name, std::unique_ptr<Surface> surface);
   void read_materials();
-  /// Error: a body goes so far in a step that it could pass a particle unseen.
-  Status check_steps() const;
+  /// Error: a time step in which a blade passes a particle unseen, or that is too long for the stiffest contact.
+  Status check_time_step() const;
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
-  void push(int particle, std::size_t body, TouchBook::Page& before, bool frozen);
-
-  std::size_t first_look_of(int particle) const { return static_cast<std::size_t>(particle) * bodies_.size(); }
+  /// Of one body on one particle that is at `here` in the body's frame and touches it as found_ says.
+  void push(std::size_t body, int particle, const Vector3& here, bool frozen);
+  /// Ends the run if the particle has come to the other side of the surface without having touched it.
+  void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
   void forget_looks(int particle);
 
   int type_ = 1;
   RollingModel rolling_ = RollingModel::none;
   bool cohesion_ = false;
-  std::vector<Body> bodies_;
+  std::vector<WallBody> bodies_;
+  std::vector<Watch> watches_;                     ///< of each body
+  std::vector<std::array<double, kSums>> sums_{};  ///< of each body, for compute_vector
   TouchBook book_;
-  // Of particle i and body b: i n_bodies + b. Nothing depends on them but the speed.
-  std::vector<Look> looks_;
-  std::vector<Nearby> nearby_;
 
   // LIGGGHTS' registry writes through the addresses of these.
   double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,
@@ -124,7 +102,7 @@ class FixWall : public LAMMPS_NS::Fix {
 
   ImpactListener listener_;
   std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
-  TouchBook::Page now_;              ///< scratch: of one particle
+  TouchBook::Page now_;              ///< scratch: of one particle and one body
   double largest_overlap_ = 0.0;
   bool said_full_ = false;
   long summed_step_ = -1;

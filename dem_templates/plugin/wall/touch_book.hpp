@@ -48,6 +48,11 @@ class TouchBook {
       found.normal = normal;
       return found;
     }
+    /// All touches of this body.
+    void forget(double body) {
+      for (std::size_t k = n; k-- > 0;)
+        if (touch[k].body == body) touch[k] = touch[--n];
+    }
     /// False if the page is full.
     bool note(const RememberedTouch& now) {
       if (n == kMost) return false;

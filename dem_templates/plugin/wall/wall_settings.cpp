@@ -1,0 +1,147 @@
+#include "dem_templates/plugin/wall/wall_settings.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "common/stl.hpp"
+#include "dem_templates/plugin/wall/endless_surfaces.hpp"
+#include "dem_templates/plugin/wall/mesh_surface.hpp"
+
+namespace granary::dem {
+namespace {
+
+using Range = FixArguments::Range;
+using Words = std::vector<std::string>;
+
+// As FNV-1a (Fowler, Noll, Vo), but eight bytes at a time, and turned so that high bits count as well.
+std::uint64_t fingerprint_of(std::span<const double> numbers) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const double number : numbers)
+    hash = std::rotl((hash ^ std::bit_cast<std::uint64_t>(number)) * 1099511628211u, 29);
+  return hash;
+}
+
+Vector3 vector_at(const std::vector<double>& v, std::size_t first) { return {v[first], v[first + 1], v[first + 2]}; }
+
+// Words first to last of a keyword, as numbers.
+std::vector<double> numbers_of(FixArguments& arguments, const std::string& keyword, const Words& words,
+                               std::size_t first, std::size_t last) {
+  std::vector<double> values;
+  for (std::size_t w = first; w < last; ++w) {
+    double value = 0.0;
+    const char* end = words[w].data() + words[w].size();
+    const auto [stop, fault] = std::from_chars(words[w].data(), end, value);
+    if (fault != std::errc{} || stop != end || !std::isfinite(value))
+      arguments.problem("'" + keyword + " " + words[0] + "': '" + words[w] + "' is no number.");
+    values.push_back(value);
+  }
+  return values;
+}
+
+Vector3 direction_of(FixArguments& arguments, const std::string& what, const Vector3& direction) {
+  if (norm(direction) > 0.0) return (1.0 / norm(direction)) * direction;
+  arguments.problem("'" + what + "': the direction must not be 0 0 0.");
+  return {0, 0, 1};
+}
+
+bool has_area(const Triangle& t) { return norm(cross(t[1] - t[0], t[2] - t[0])) > 0.0; }
+
+class BodyReader {
+ public:
+  BodyReader(FixArguments& arguments, std::vector<WallBody>& bodies) : arguments_(arguments), bodies_(bodies) {}
+
+  void mesh(const Words& words, double smooth) {
+    auto read = read_stl_triangles(words[1]);
+    if (!read) return arguments_.problem("'mesh " + words[0] + "': " + read.error().message);
+    std::vector<Triangle> triangles = std::move(read).value();
+    std::erase_if(triangles, [](const Triangle& t) { return !has_area(t); });
+    if (triangles.empty())
+      return arguments_.problem("'mesh " + words[0] + "': " + words[1] + ": none of its triangles has an area.");
+    const std::uint64_t fingerprint = fingerprint_of({triangles[0][0].data(), 9 * triangles.size()});
+    add(words[0], std::make_unique<MeshSurface>(std::move(triangles), smooth), fingerprint);
+  }
+
+  void plane(const Words& words) {
+    const auto v = numbers_of(arguments_, "plane", words, 1, 7);
+    const Vector3 normal = direction_of(arguments_, "plane " + words[0], vector_at(v, 3));
+    add(words[0], std::make_unique<PlaneSurface>(vector_at(v, 0), normal), fingerprint_of(v));
+  }
+
+  void cylinder(const Words& words) {
+    const auto v = numbers_of(arguments_, "cylinder", words, 1, 8);
+    if (v[6] <= 0.0) arguments_.problem("'cylinder " + words[0] + "': the radius must be above 0.");
+    const Vector3 axis = direction_of(arguments_, "cylinder " + words[0], vector_at(v, 3));
+    add(words[0], std::make_unique<CylinderSurface>(vector_at(v, 0), axis, v[6]), fingerprint_of(v));
+  }
+
+  void rotate(const Words& words) {
+    const auto body = std::find_if(bodies_.begin(), bodies_.end(), [&](const auto& b) { return b.name == words[0]; });
+    if (body == bodies_.end()) return arguments_.problem("'rotate " + words[0] + "': there is no body of that name.");
+    const auto v = numbers_of(arguments_, "rotate", words, 1, 7);
+    const double value = numbers_of(arguments_, "rotate", words, 8, 9)[0];
+    body->rotation.origin = vector_at(v, 0);
+    body->rotation.axis = direction_of(arguments_, "rotate " + words[0], vector_at(v, 3));
+    if (words[7] == "rpm")
+      body->rotation.rate = value * 2.0 * M_PI / 60.0;
+    else if (words[7] == "rad/s")
+      body->rotation.rate = value;
+    else if (words[7] == "period" && value != 0.0)
+      body->rotation.rate = 2.0 * M_PI / value;
+    else
+      arguments_.problem("'rotate " + words[0] + "' ends with '" + words[7] + " " + words[8] +
+                         "'; it must be 'rpm N', 'rad/s W' or 'period SECONDS' (not 0).");
+  }
+
+ private:
+  void add(const std::string& name, std::unique_ptr<Surface> surface, std::uint64_t fingerprint) {
+    for (const WallBody& body : bodies_)
+      if (body.name == name) arguments_.problem("two bodies are named '" + name + "'.");
+    WallBody& body = bodies_.emplace_back();
+    body.name = name;
+    body.surface = std::move(surface);
+    body.fingerprint = fingerprint;
+  }
+
+  FixArguments& arguments_;
+  std::vector<WallBody>& bodies_;
+};
+
+}  // namespace
+
+std::vector<FixArguments::Keyword> wall_keywords() {
+  return {{"type"},          {"rolling_friction"}, {"cohesion"},          {"smooth"},
+          {"mesh", 2, true}, {"plane", 7, true},   {"cylinder", 8, true}, {"rotate", 9, true}};
+}
+
+WallSettings read_wall_settings(FixArguments& arguments) {
+  WallSettings settings;
+  settings.type = static_cast<int>(arguments.integer("type", Range::at_least(1)));
+  const std::string rolling = arguments.text_or("rolling_friction", "off");
+  if (rolling == "epsd2")
+    settings.rolling = RollingModel::epsd2;
+  else if (rolling == "cdt")
+    settings.rolling = RollingModel::cdt;
+  else if (rolling != "off")
+    arguments.problem("'rolling_friction' is '" + rolling + "'; it must be off, cdt or epsd2.");
+  const std::string cohesion = arguments.text_or("cohesion", "off");
+  settings.cohesion = cohesion == "sjkr";
+  if (!settings.cohesion && cohesion != "off")
+    arguments.problem("'cohesion' is '" + cohesion + "'; it must be off or sjkr.");
+  const double smooth = arguments.number_or("smooth", 5.0, Range::not_negative()) * M_PI / 180.0;
+  if (smooth > 0.5 * M_PI) arguments.problem("'smooth' must be at most 90 degrees.");
+
+  BodyReader read(arguments, settings.bodies);
+  for (const Words& words : arguments.all("mesh")) read.mesh(words, smooth);
+  for (const Words& words : arguments.all("plane")) read.plane(words);
+  for (const Words& words : arguments.all("cylinder")) read.cylinder(words);
+  if (settings.bodies.empty()) arguments.problem("needs a body: 'mesh', 'plane' or 'cylinder'.");
+  for (const Words& words : arguments.all("rotate")) read.rotate(words);
+  return settings;
+}
+
+}  // namespace granary::dem
