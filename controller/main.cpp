@@ -43,11 +43,21 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   run->add_option("--nodes", options.nodes, "Nodes of the machine to assume (dry run only)")
       ->check(CLI::PositiveNumber);
+  run->add_option("--virtual-nodes", options.virtual_nodes,
+                  "Agents on this machine, as if it were so many nodes (to try)")
+      ->check(CLI::Range(1, 64));
   run->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
   run->add_flag("--dry-run", options.dry_run, "The same controller and scheduler on a virtual clock: starts nothing");
   run->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
   run->add_flag("-q,--quiet", options.quiet, "No progress");
   run->callback([&] { chosen = [&] { return commands::run(options); }; });
+
+  auto* submit = app.add_subcommand("submit", "Run a workflow as one job of Slurm, or go on with a campaign that way");
+  submit->add_option("workflow", options.workflow, "The workflow, or the run directory of a campaign")->required();
+  submit->add_option("--dir", options.dir, "Run directory (default: runs/NAME); all nodes must see it");
+  submit->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
+  submit->add_flag("--dry-run", options.dry_run, "Print the job's script and submit nothing");
+  submit->callback([&] { chosen = [&] { return commands::submit(options); }; });
 
   std::vector<fs::path> workflows;
   auto* validate = app.add_subcommand("validate", "Say everything that is wrong with workflows");
@@ -68,7 +78,9 @@ int main(int argc, char** argv) {
   })->add_flag("--json", options.json, "Print one JSON document");
   on_folder("stop", "End a running campaign gracefully, to be resumed", [&] { return commands::stop(dir); });
   auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash",
-                           [&] { return commands::resume(dir, options.json, options.quiet); });
+                           [&] { return commands::resume(dir, options.json, options.quiet, options.virtual_nodes); });
+  resume->add_option("--virtual-nodes", options.virtual_nodes, "Agents on this machine, as in `run`")
+      ->check(CLI::Range(1, 64));
   resume->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
   resume->add_flag("-q,--quiet", options.quiet, "No progress");
   on_folder("explain", "Why a task waits, what it did, what it cost", [&] { return commands::explain(dir, task); })

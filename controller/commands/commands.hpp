@@ -15,6 +15,7 @@ struct RunOptions {
   std::filesystem::path dir;  ///< run directory; empty: runs/NAME, or the first free runs/NAME-2, ...
   int cores = 0;              ///< 0: the workflow's, or all of the machine
   int nodes = 0;              ///< dry run only; 0: the workflow's
+  int virtual_nodes = 0;      ///< > 0: so many agents on this machine
   bool dry_run = false;
   bool json = false;
   bool quiet = false;
@@ -29,7 +30,11 @@ struct BenchOptions {
 
 Result<Exit> run(const RunOptions& options);
 Result<Exit> dry_run(const RunOptions& options);
-Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet);
+Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet, int virtual_nodes);
+/// `options.workflow`: a workflow, or the folder of a campaign to go on with.
+Result<Exit> submit(const RunOptions& options);
+/// The run directory, absolute: the one given, else runs/NAME, or the first of runs/NAME-2, ... that is free.
+std::filesystem::path run_folder(const std::filesystem::path& given, const std::string& name);
 
 Result<Exit> validate(const std::vector<std::filesystem::path>& workflows, const std::vector<std::string>& overrides);
 Result<Exit> status(const std::filesystem::path& dir, bool json);

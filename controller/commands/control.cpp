@@ -41,7 +41,7 @@ Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
     GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
     past->coupling = coupling::update(past->coupling, event, settings).next;
   }
-  const auto machine = pilot::stated_machine(1, campaign.resources.cores.value_or(1024));
+  const auto machine = pilot::stated_machine(campaign.resources.nodes, campaign.resources.cores.value_or(1024));
   GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));
   return past;
 }

@@ -1,25 +1,20 @@
 #include <fmt/format.h>
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
-#include "common/log.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
+#include "controller/commands/session.hpp"
 #include "controller/report/report.hpp"
 #include "controller/run/collect.hpp"
 #include "controller/run/progress.hpp"
 #include "controller/run/provenance.hpp"
 #include "controller/run/summary.hpp"
-#include "pilot/control/control.hpp"
-#include "pilot/control/run_lock.hpp"
 #include "pilot/launch/command.hpp"
-#include "pilot/launch/local_launcher.hpp"
-#include "pilot/loop/real_loop.hpp"
 #include "pilot/task_list.hpp"
 
 namespace granary::commands {
@@ -27,47 +22,6 @@ namespace fs = std::filesystem;
 using campaign::Campaign;
 
 namespace {
-
-/// runs/NAME, or the first of runs/NAME-2, runs/NAME-3, ... that is free.
-fs::path free_folder(const std::string& name) {
-  fs::path folder = fs::path("runs") / name;
-  for (int n = 2; fs::exists(folder); ++n) folder = fs::path("runs") / fmt::format("{}-{}", name, n);
-  return folder;
-}
-
-/// Everything a live campaign is made of, in the order it must be torn down.
-struct Session {
-  fs::path dir;
-  Campaign campaign;
-  pilot::Machine machine;
-  pilot::RunLock lock;
-  pilot::Journal journal;
-  pilot::RealLoop loop;
-  pilot::LocalLauncher launcher;
-  std::unique_ptr<pilot::Pilot> pilot;
-
-  Session(fs::path run_dir, Campaign understood, pilot::Machine cores, pilot::RunLock held, pilot::Journal opened)
-      : dir(std::move(run_dir)),
-        campaign(std::move(understood)),
-        machine(std::move(cores)),
-        lock(std::move(held)),
-        journal(std::move(opened)),
-        launcher(loop, machine) {}
-};
-
-Result<std::unique_ptr<Session>> open_session(const fs::path& dir, Campaign campaign, int cores) {
-  GRANARY_TRY(pilot::Machine machine, pilot::local_machine(cores > 0 ? cores : campaign.resources.cores.value_or(0)));
-  GRANARY_CHECK(campaign::check_resources(campaign, 1, machine.n_cores()));
-  GRANARY_TRY(pilot::RunLock lock, pilot::RunLock::take(dir));
-  GRANARY_TRY(pilot::Journal journal, pilot::Journal::open(dir / "journal.jsonl"));
-  if (journal.dropped_bytes() > 0)
-    log::warning("journal", fmt::format("{} bytes of a torn last record were dropped", journal.dropped_bytes()));
-  auto session =
-      std::make_unique<Session>(dir, std::move(campaign), std::move(machine), std::move(lock), std::move(journal));
-  GRANARY_TRY(session->pilot,
-              pilot::Pilot::open({dir, session->machine}, session->loop, session->launcher, session->journal));
-  return session;
-}
 
 double first_wall_time(const pilot::Journal& journal, double otherwise) {
   return journal.records().empty() ? otherwise : journal.records().front().wall_time;
@@ -108,15 +62,6 @@ Result<CampaignResults> finish(Session& session, const run::FileHandover& handov
   return results;
 }
 
-/// SIGINT and SIGTERM ask for a graceful stop; a second one ends the tasks without grace.
-void stop_on_signals(Session& session, std::function<void(const std::string&)> ask_stop) {
-  session.loop.on_signals({SIGINT, SIGTERM, SIGHUP},
-                          [&session, ask_stop = std::move(ask_stop), asked = false](int signal) mutable {
-                            if (std::exchange(asked, true)) return session.loop.stop();
-                            ask_stop(signal == SIGINT ? "interrupted by the user" : fmt::format("signal {}", signal));
-                          });
-}
-
 Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   run::FileHandover handover(session.campaign, session.dir, program_folder());
   run::Progress progress(session.loop, session.dir, quiet);
@@ -126,18 +71,16 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
     if (campaign_run.ended() || campaign_run.failure() || session.pilot->failure()) session.loop.stop();
   });
   const auto ask_stop = [&](const std::string& message) { campaign_run.ask_stop(message); };
-  stop_on_signals(session, ask_stop);
-  GRANARY_TRY(const auto server,
-              pilot::ControlServer::listen(session.loop, session.dir, [&](const json::Value& request) {
-                if (request.text_or("ask", "") == "stop" && request["task"].is_null()) {
-                  ask_stop(request.text_or("reason", "stopped by the user"));
-                  return json::Value::object({{"stopping", true}});
-                }
-                json::Value answer = session.pilot->answer(request);
-                if (request.text_or("ask", "") == "status")
-                  answer.set("coupling", coupling::to_json(campaign_run.state()));
-                return answer;
-              }));
+  session.stop_on_signals(ask_stop);
+  GRANARY_CHECK(session.serve([&](const json::Value& request) {
+    if (request.text_or("ask", "") == "stop" && request["task"].is_null()) {
+      ask_stop(request.text_or("reason", "stopped by the user"));
+      return json::Value::object({{"stopping", true}});
+    }
+    json::Value answer = session.pilot->answer(request);
+    if (request.text_or("ask", "") == "status") answer.set("coupling", coupling::to_json(campaign_run.state()));
+    return answer;
+  }));
   GRANARY_CHECK(campaign_run.begin());
   session.loop.run();
   progress.finish();
@@ -161,10 +104,8 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
 }
 
 Result<Exit> run_tasks(Session& session, bool json) {
-  stop_on_signals(session, [&](const std::string& message) { session.pilot->stop_all(message); });
-  GRANARY_TRY(const auto server,
-              pilot::ControlServer::listen(session.loop, session.dir,
-                                           [&](const json::Value& request) { return session.pilot->answer(request); }));
+  session.stop_on_signals([&](const std::string& message) { session.pilot->stop_all(message); });
+  GRANARY_CHECK(session.serve([&](const json::Value& request) { return session.pilot->answer(request); }));
   GRANARY_TRY(const pilot::TaskListSummary summary,
               pilot::run_task_list(session.campaign.tasks, *session.pilot, session.loop));
   if (json) {
@@ -183,17 +124,28 @@ Result<Exit> run_tasks(Session& session, bool json) {
 }
 
 Result<Exit> run_session(Session& session, bool json, bool quiet) {
-  return session.campaign.kind == campaign::Kind::tasks ? run_tasks(session, json) : run_coupled(session, json, quiet);
+  const auto exit =
+      session.campaign.kind == campaign::Kind::tasks ? run_tasks(session, json) : run_coupled(session, json, quiet);
+  if (exit && *exit == Exit::stopped) session.submit_next_job();
+  return exit;
 }
 
 }  // namespace
 
+fs::path run_folder(const fs::path& given, const std::string& name) {
+  fs::path folder = given.empty() ? fs::path("runs") / name : given;
+  for (int n = 2; given.empty() && fs::exists(folder); ++n) folder = fs::path("runs") / fmt::format("{}-{}", name, n);
+  return fs::absolute(folder).lexically_normal();
+}
+
 Result<Exit> run(const RunOptions& options) {
   if (options.dry_run) return dry_run(options);
   if (options.nodes > 0)
-    return Error{"--nodes states a machine for --dry-run; a real run takes the cores of this machine (--cores)."};
+    return Error{
+        "--nodes states a machine for --dry-run; a real run takes the cores of this machine (--cores), or of a job of "
+        "Slurm (granary submit)."};
   GRANARY_TRY(Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
-  const fs::path dir = fs::absolute(options.dir.empty() ? free_folder(campaign.name) : options.dir).lexically_normal();
+  const fs::path dir = run_folder(options.dir, campaign.name);
   if (fs::exists(dir / "journal.jsonl"))
     return Error{
         fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.",
@@ -203,17 +155,17 @@ Result<Exit> run(const RunOptions& options) {
   if (!options.quiet) fmt::print(stderr, "{} -> {}\n", options.workflow.string(), dir.string());
   // Before the journal: a resume must find the workflow as it was understood.
   GRANARY_CHECK(json::write_file(dir / "campaign.json", campaign::to_json(campaign)));
-  GRANARY_TRY(const auto session, open_session(dir, std::move(campaign), options.cores));
+  GRANARY_TRY(const auto session, open_session(dir, std::move(campaign), {options.cores, options.virtual_nodes}));
   return run_session(*session, options.json, options.quiet);
 }
 
-Result<Exit> resume(const fs::path& dir, bool json, bool quiet) {
+Result<Exit> resume(const fs::path& dir, bool json, bool quiet, int virtual_nodes) {
   const fs::path absolute = fs::absolute(dir).lexically_normal();
-  if (!fs::exists(absolute / "journal.jsonl"))
-    return Error{fmt::format("{}: no campaign is there (no journal.jsonl). Start one: granary run WORKFLOW --dir {}",
+  if (!fs::exists(absolute / "campaign.json"))
+    return Error{fmt::format("{}: no campaign is there (no campaign.json). Start one: granary run WORKFLOW --dir {}",
                              dir.string(), dir.string())};
   GRANARY_TRY(Campaign campaign, campaign::read_written_campaign(absolute / "campaign.json"));
-  GRANARY_TRY(const auto session, open_session(absolute, std::move(campaign), 0));
+  GRANARY_TRY(const auto session, open_session(absolute, std::move(campaign), {0, virtual_nodes}));
   return run_session(*session, json, quiet);
 }
 

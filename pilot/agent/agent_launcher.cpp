@@ -355,6 +355,7 @@ AgentLauncher::~AgentLauncher() {
   for (State::NodeState& node : state.nodes) {
     if (node.channel == nullptr) continue;
     node.channel->send(json::Value::object({{"do", "bye"}}));
+    node.presence = State::Presence::absent;  // nobody is to be told that it goes
     any = true;
   }
   if (any) {

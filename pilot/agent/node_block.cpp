@@ -101,8 +101,11 @@ struct NodeBlock::State {
 
 NodeBlock::NodeBlock(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-Result<std::unique_ptr<NodeBlock>> NodeBlock::of_slurm_job(RealLoop& loop, const fs::path& dir) {
+Result<std::unique_ptr<NodeBlock>> NodeBlock::of_slurm_job(RealLoop& loop, const fs::path& dir, int cores) {
   GRANARY_TRY(SlurmJob job, current_slurm_job());
+  for (Node& node : job.machine.nodes)
+    if (cores > 0 && node.cpus.size() > static_cast<std::size_t>(cores))
+      node.cpus.resize(static_cast<std::size_t>(cores));
   auto state = std::make_unique<State>(loop, dir);
   GRANARY_TRY(state->launcher, AgentLauncher::listen(loop, dir, job.machine, job.address));
   const int count = static_cast<int>(job.machine.nodes.size());

@@ -13,8 +13,10 @@ namespace granary::pilot {
 class NodeBlock {
  public:
   /// The nodes of the job we are in; one srun starts all agents. Blocks until all are there, or for a minute: nodes
-  /// whose agent does not come are told as lost by watch(). Errors: no job, no srun, not one agent.
-  static Result<std::unique_ptr<NodeBlock>> of_slurm_job(RealLoop& loop, const std::filesystem::path& dir);
+  /// whose agent does not come are told as lost by watch(). `cores`: of a node at most; 0: all. Errors: no job, no
+  /// srun, not one agent.
+  static Result<std::unique_ptr<NodeBlock>> of_slurm_job(RealLoop& loop, const std::filesystem::path& dir,
+                                                         int cores = 0);
   /// So many agents on this machine, each for `cores` cores, which they share: to try things out.
   static Result<std::unique_ptr<NodeBlock>> of_virtual_nodes(RealLoop& loop, const std::filesystem::path& dir,
                                                              int nodes, int cores);

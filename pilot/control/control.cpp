@@ -12,7 +12,11 @@
 
 #include "common/json/io.hpp"
 #include "common/log.hpp"
+#include "pilot/control/run_lock.hpp"
 #include "pilot/control/unix_socket.hpp"
+#include "pilot/protocol/ask_remote.hpp"
+#include "pilot/protocol/endpoint.hpp"
+#include "pilot/protocol/tcp.hpp"
 
 namespace granary::pilot {
 namespace {
@@ -130,7 +134,33 @@ Result<ControlServer> ControlServer::listen(RealLoop& loop, const std::filesyste
   return ControlServer(std::move(state));
 }
 
+namespace {
+
+/// Whether the pilot of the folder is, or was last, one of several nodes on another host than ours.
+bool is_elsewhere(const std::filesystem::path& dir) {
+  const auto endpoint = read_endpoint(dir);
+  return endpoint && endpoint->host != host_name();
+}
+
+Result<json::Value> without_error(json::Value answer) {
+  if (const json::Value* error = answer.find("error"); error != nullptr && error->is_string())
+    return Error{error->as_string()};
+  return answer;
+}
+
+}  // namespace
+
+bool pilot_is_alive(const std::filesystem::path& dir) {
+  if (folder_is_locked(dir)) return true;
+  // Not every shared file system tells one host of another's locks.
+  return is_elsewhere(dir) && ask_remote(dir, json::Value::object({{"ask", "status"}}), 3.0).has_value();
+}
+
 Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Value& request, double timeout_s) {
+  if (is_elsewhere(dir)) {
+    GRANARY_TRY(json::Value answer, ask_remote(dir, request, timeout_s));
+    return without_error(std::move(answer));
+  }
   const int fd = connect_to(dir);
   if (fd < 0) {
     if (errno == ENOENT || errno == ECONNREFUSED || errno == ENOTDIR) {
@@ -163,9 +193,7 @@ Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Valu
   }
   text.pop_back();
   GRANARY_TRY(json::Value answer, json::parse(text, "answer"));
-  if (const json::Value* error = answer.find("error"); error != nullptr && error->is_string())
-    return Error{error->as_string()};
-  return answer;
+  return without_error(std::move(answer));
 }
 
 }  // namespace granary::pilot

@@ -30,10 +30,10 @@ class ControlServer {
   std::unique_ptr<State> state_;
 };
 
-/// Asks the pilot of a folder: {"ask": "status"}. Errors: no pilot alive there (says so, and what to do), no answer in
-/// time, an answer with "error" in it.
+/// Asks the pilot of a folder: {"ask": "status"}; over TCP if it is on another host. Errors: no pilot alive there (says
+/// so, and what to do), no answer in time, an answer with "error" in it.
 Result<json::Value> ask_pilot(const std::filesystem::path& dir, const json::Value& request, double timeout_s = 5.0);
-/// Whether a pilot is alive on the folder.
+/// Whether a pilot is alive on the folder, here or on another host.
 bool pilot_is_alive(const std::filesystem::path& dir);
 
 }  // namespace granary::pilot

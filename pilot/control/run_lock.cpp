@@ -56,7 +56,7 @@ RunLock::~RunLock() {
   if (fd_ >= 0) close(fd_);
 }
 
-bool pilot_is_alive(const std::filesystem::path& dir) {
+bool folder_is_locked(const std::filesystem::path& dir) {
   const int fd = open(lock_file(dir).c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0) return false;
   struct flock wanted = whole_file();

@@ -7,6 +7,9 @@
 
 namespace granary::pilot {
 
+/// Whether somebody holds the lock of the folder, as far as its file system tells.
+bool folder_is_locked(const std::filesystem::path& dir);
+
 class RunLock {
  public:
   /// Error: another pilot (says its pid) is alive on this folder; the folder cannot be written.
