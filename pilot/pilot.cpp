@@ -14,7 +14,6 @@
 #include "common/version.hpp"
 #include "pilot/schedule/check_tasks.hpp"
 #include "pilot/schedule/explain.hpp"
-#include "pilot/schedule/resources.hpp"
 #include "pilot/schedule/scheduler.hpp"
 #include "pilot/summary.hpp"
 #include "pilot/task/spec_json.hpp"
@@ -38,14 +37,19 @@ std::string new_run_id() {
 
 struct Pilot::State {
   State(PilotOptions o, EventLoop& l, Launcher& la, Journal& j)
-      : options(std::move(o)), loop(l), launcher(la), journal(j), resources(options.machine), loop_start(l.now()) {}
+      : options(std::move(o)),
+        loop(l),
+        launcher(la),
+        journal(j),
+        scheduler(table, options.machine),
+        loop_start(l.now()) {}
 
   PilotOptions options;
   EventLoop& loop;
   Launcher& launcher;
   Journal& journal;
   Table table;
-  Resources resources;
+  Scheduler scheduler;
   std::string run_id;                                         ///< of the campaign: what its processes are marked with
   double loop_start;                                          ///< loop's clock at ...
   double time_base = 0.0;                                     ///< ... this pilot time [s]
@@ -118,7 +122,7 @@ struct Pilot::State {
     return {{task.id, attempt.number},
             task.spec,
             folder_of(task.spec),
-            attempt.pieces.back().cores,
+            attempt.pieces.back().cores.list(),
             mark_of({task.id, attempt.number})};
   }
 
@@ -141,9 +145,8 @@ struct Pilot::State {
     if (const Status kept = keep_earlier_attempt(task); !kept) {
       return observe({now(), StartFailed{spawn.attempt, kept.error().message}});
     }
-    const auto started =
-        launcher.start(launch_of(task, task.last()),
-                       [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
+    const auto started = launcher.start(
+        launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
     if (started) {
       observe({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
     } else {
@@ -166,7 +169,7 @@ struct Pilot::State {
   void act(const Kill& kill) { launcher.kill(kill.attempt); }
   void act(const Pause& pause) { launcher.suspend(pause.attempt); }
   void act(const Continue& go_on) {
-    launcher.resume(go_on.attempt, table.at(go_on.attempt.task).last().pieces.back().cores);
+    launcher.resume(go_on.attempt, table.at(go_on.attempt.task).last().pieces.back().cores.list());
   }
 
   void act(const SetAlarm& set) {
@@ -191,11 +194,6 @@ struct Pilot::State {
     if (found->second[0] == TimerId::none && found->second[1] == TimerId::none) alarms.erase(found);
   }
 
-  void act(const FreeCores& free) {
-    const bool keeps_memory = table.at(free.attempt.task).state == TaskState::suspended;
-    resources.release(free.attempt.task, keeps_memory);
-  }
-
   void act(const Report& report) {
     loop.post([this, id = report.id, watch = std::weak_ptr<bool>(alive)] {
       if (watch.expired()) return;
@@ -215,7 +213,7 @@ struct Pilot::State {
   void schedule_now() {
     schedule_posted = false;
     if (!stopping) {
-      const std::vector<Decision> decisions = schedule(table, resources, deadline - now());
+      const std::vector<Decision> decisions = scheduler.decide(now(), deadline);
       for (const Decision& decision : decisions) {
         if (stopping || !std::visit([this](const auto& what) { return carry_out(what); }, decision)) break;
       }
@@ -229,14 +227,7 @@ struct Pilot::State {
 
   /// When nothing runs and what is ready would run beyond the allocation's end, waiting for it helps nobody.
   void end_early_if_nothing_fits() {
-    if (stopping || deadline == std::numeric_limits<double>::infinity() || table.n_ready() == 0) return;
-    if (!table.running.empty() || !table.suspended.empty()) return;
-    for (const std::set<Turn>* queue : {&table.ready, &table.ready_fillers, &table.ready_light}) {
-      for (const Turn& turn : *queue) {
-        const TaskSpec& spec = table.at(turn.id).spec;
-        if (spec.resumable || spec.duration() <= deadline - now()) return;
-      }
-    }
+    if (stopping || !table.running.empty() || !table.suspended.empty() || !scheduler.only_late_ones_left()) return;
     stopping = true;
     stop_reason = "none of the tasks left can end before the allocation does";
     log::info("pilot", stop_reason);
@@ -254,54 +245,45 @@ struct Pilot::State {
   }
 
   Status carry_out(const StartTask& start) {
-    const Task& task = table.at(start.id);
-    resources.take(task, start.cores);
-    const Status done = decide({now(), Placed{{task.id, task.attempt_id().number + 1}, start.cores}});
-    if (!done) resources.release(start.id);
-    return done;
+    return decide({now(), Placed{{start.id, table.at(start.id).attempt_id().number + 1}, start.cores}});
   }
   Status carry_out(const SuspendFiller& suspend) {
     return decide({now(), Suspended{table.at(suspend.id).attempt_id()}});
   }
   Status carry_out(const KillFiller& kill) { return decide({now(), Preempted{table.at(kill.id).attempt_id()}}); }
   Status carry_out(const ResumeFiller& resume) {
-    resources.take(table.at(resume.id), resume.cores);
-    const Status done = decide({now(), Resumed{table.at(resume.id).attempt_id(), resume.cores}});
-    if (!done) resources.release(resume.id, true);
-    return done;
+    return decide({now(), Resumed{table.at(resume.id).attempt_id(), resume.cores}});
   }
 
   bool idle() const {
     const bool nothing_runs = table.running.empty() && table.suspended.empty();
-    return nothing_runs && (stopping || (table.n_waiting == 0 && table.n_ready() == 0));
+    return nothing_runs && (stopping || (table.n_waiting == 0 && table.n_ready == 0));
   }
 
   // --- nodes ---
 
-  std::vector<AttemptId> attempts_on(int node) const {
-    std::vector<AttemptId> attempts;
+  /// The attempts with a core on a node, and whether they have some elsewhere.
+  std::vector<std::pair<AttemptId, bool>> attempts_on(int node) const {
+    std::vector<std::pair<AttemptId, bool>> attempts;
     for (const TaskId id : active_tasks()) {
-      const auto& cores = table.at(id).last().pieces.back().cores;
-      const auto is_there = [&](int core) { return resources.node_of(core) == node; };
-      if (std::any_of(cores.begin(), cores.end(), is_there)) attempts.push_back(table.at(id).attempt_id());
+      int there = 0, elsewhere = 0;
+      table.at(id).last().pieces.back().cores.for_each(
+          [&](int core) { ++(scheduler.resources().node_of(core) == node ? there : elsewhere); });
+      if (there > 0) attempts.emplace_back(table.at(id).attempt_id(), elsewhere > 0);
     }
     return attempts;
   }
 
   void lose_node(int node, const std::string& reason) {
-    if (node < 0 || node >= resources.n_nodes() || !resources.is_up(node)) return;
+    if (node < 0 || node >= scheduler.resources().n_nodes() || !scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
     (void)record("node.lost",
                  json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}, {"reason", reason}}));
-    resources.lose_node(node);
+    scheduler.lose_node(node);
     const std::string why = fmt::format("node {} was lost: {}", name, reason);
-    for (const AttemptId attempt : attempts_on(node)) {
-      const Task& task = table.at(attempt.task);
-      const auto& cores = task.last().pieces.back().cores;
-      const bool only_there =
-          std::all_of(cores.begin(), cores.end(), [&](int c) { return resources.node_of(c) == node; });
-      const bool being_stopped = task.ending == Ending::stop || task.ending == Ending::stop_resumable;
-      if (!only_there && !being_stopped) {
+    for (const auto& [attempt, elsewhere] : attempts_on(node)) {
+      const Ending ending = table.at(attempt.task).ending;
+      if (elsewhere && ending != Ending::stop && ending != Ending::stop_resumable) {
         observe({now(), Abandoned{attempt, why}});
       } else {
         launcher.kill(attempt);
@@ -312,10 +294,10 @@ struct Pilot::State {
   }
 
   void regain_node(int node) {
-    if (node < 0 || node >= resources.n_nodes() || resources.is_up(node)) return;
+    if (node < 0 || node >= scheduler.resources().n_nodes() || scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
     (void)record("node.back", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}}));
-    resources.regain_node(node);
+    scheduler.regain_node(node);
     schedule_soon();
   }
 
@@ -364,7 +346,7 @@ struct Pilot::State {
     for (const Task& task : table.tasks) {
       ++folders[folder_of(task.spec)];
       if (has_ended(task.state) && !task.resumable) continue;
-      if (const Status fits = check_fits(task.spec, options.machine); !fits) {
+      if (const Status fits = check_fits(task.spec, options.machine, scheduler.layouts()); !fits) {
         return Error{fmt::format("task \"{}\" {}", task.spec.name, fits.error().message)};
       }
     }
@@ -448,7 +430,7 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
     if (state.table.find(before) != nullptr) continue;
     return Error{fmt::format("task \"{}\" comes after \"{}\", which has not been submitted", spec.name, before)};
   }
-  if (const Status fits = check_fits(spec, state.options.machine); !fits) {
+  if (const Status fits = check_fits(spec, state.options.machine, state.scheduler.layouts()); !fits) {
     return Error{fmt::format("task \"{}\" {}", spec.name, fits.error().message)};
   }
   const TaskId id{static_cast<int>(state.table.tasks.size())};
@@ -513,7 +495,7 @@ Usage Pilot::usage() const { return usage_of(state_->table, machine().n_cores(),
 std::vector<Interval> Pilot::timeline() const { return timeline_of(state_->table, now()); }
 
 json::Value Pilot::status() const {
-  json::Value status = status_of(state_->table, state_->resources, now());
+  json::Value status = status_of(state_->table, state_->scheduler.resources(), now());
   status.set("stopping", state_->stopping);
   if (state_->failure) status.set("failure", state_->failure->message);
   return status;
@@ -521,7 +503,7 @@ json::Value Pilot::status() const {
 
 Result<std::string> Pilot::explain(const std::string& name) const {
   if (const Task* task = state_->table.find(name)) {
-    return granary::pilot::explain(*task, state_->table, state_->resources, now(), state_->stopping);
+    return granary::pilot::explain(*task, state_->table, state_->scheduler, now(), state_->stopping);
   }
   std::vector<std::string> names;
   for (const Task& task : state_->table.tasks) names.push_back(task.spec.name);

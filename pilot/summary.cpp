@@ -18,7 +18,7 @@ TaskEnd end_of(const Task& task, const std::filesystem::path& dir) {
   end.signal = last.signal;
   end.attempt = last.number;
   end.start = last.start;
-  end.cores = last.pieces.back().cores;
+  end.cores = last.pieces.back().cores.list();
   end.cpu_s = last.cpu_s;
   return end;
 }
@@ -44,7 +44,7 @@ std::vector<Interval> timeline_of(const Table& table, double now) {
         const bool ended = piece.end >= 0.0, last = p + 1 == attempt.pieces.size();
         const TaskState outcome =
             !last || (ended && attempt.outcome == TaskState::running) ? TaskState::suspended : attempt.outcome;
-        timeline.push_back({task.id, task.spec.name, attempt.number, task.spec.fill, piece.cores, piece.start,
+        timeline.push_back({task.id, task.spec.name, attempt.number, task.spec.fill, piece.cores.list(), piece.start,
                             ended ? piece.end : now, ended, outcome});
       }
     }
@@ -59,7 +59,7 @@ json::Value status_of(const Table& table, const Resources& resources, double now
     ++counts[std::string(name_of(task.state))];
     if (task.state != TaskState::running && task.state != TaskState::suspended) continue;
     json::Value cores = json::Value::array();
-    for (const int core : task.last().pieces.back().cores) cores.push(core);
+    task.last().pieces.back().cores.for_each([&](int core) { cores.push(core); });
     active.push(json::Value::object({{"name", task.spec.name},
                                      {"state", name_of(task.state)},
                                      {"attempt", task.last().number},

@@ -5,20 +5,19 @@
 #include <map>
 #include <vector>
 
-#include "pilot/schedule/placement.hpp"
-
 namespace granary::pilot {
 
-Status check_fits(const TaskSpec& spec, const Machine& machine) {
+Status check_fits(const TaskSpec& spec, const Machine& machine, const Layouts& layouts) {
   if (spec.cores() == 0) return {};
-  const int nodes = fewest_nodes(spec, machine);
-  if (nodes == 0) {
+  const Layout layout = layouts.of(spec);
+  if (layout.nodes == 0) {
     const std::string need = fmt::format("needs {} core(s) ({} rank(s) x {} thread(s){})", spec.cores(), spec.ranks,
                                          spec.threads, spec.nodes > 0 ? fmt::format(" on {} node(s)", spec.nodes) : "");
     return Error{fmt::format("{}, but there are {} on {} node(s), the largest with {}", need, machine.n_cores(),
                              machine.nodes.size(), machine.largest_node())};
   }
-  const std::int64_t share = spec.memory_bytes / spec.cores() * cores_by_node(spec, nodes).front();
+  const std::int64_t share = layout.memory * layout.large;
+  if (share == 0) return {};
   std::int64_t largest = 0;
   for (const Node& node : machine.nodes) {
     if (node.memory_bytes == 0) return {};
@@ -106,8 +105,9 @@ class Checker {
   }
 
   void sizes(const Machine& machine) {
+    const Layouts layouts(machine);
     for (std::size_t k = 0; k < tasks_.size(); ++k) {
-      const Status fits = check_fits(tasks_[k], machine);
+      const Status fits = check_fits(tasks_[k], machine, layouts);
       if (fits) continue;
       const bool too_many_ranks = tasks_[k].ranks >= tasks_[k].threads;
       const int count = too_many_ranks ? tasks_[k].ranks : tasks_[k].threads;

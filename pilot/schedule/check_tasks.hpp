@@ -6,6 +6,7 @@
 
 #include "common/json/problems.hpp"
 #include "common/result.hpp"
+#include "pilot/schedule/layout.hpp"
 #include "pilot/schedule/machine.hpp"
 #include "pilot/task/spec.hpp"
 
@@ -18,6 +19,6 @@ void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const 
 
 /// Whether the task could start on the empty machine; the error's message says what is missing, without the task's
 /// name.
-Status check_fits(const TaskSpec& spec, const Machine& machine);
+Status check_fits(const TaskSpec& spec, const Machine& machine, const Layouts& layouts);
 
 }  // namespace granary::pilot

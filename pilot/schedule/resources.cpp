@@ -1,56 +1,211 @@
 #include "pilot/schedule/resources.hpp"
 
+#include <algorithm>
 #include <limits>
-#include <map>
+
+#include "common/assert.hpp"
 
 namespace granary::pilot {
+namespace {
 
-Resources::Resources(Machine machine) : machine_(std::move(machine)) {
+std::size_t index(int number) { return static_cast<std::size_t>(number); }
+
+/// The `count` of the sorted `cores` that span the shortest stretch.
+void take_nearest(const std::vector<int>& cores, std::size_t count, std::vector<int>& chosen) {
+  if (count == 0) return;
+  std::size_t best = 0;
+  for (std::size_t k = 1; k + count <= cores.size(); ++k) {
+    if (cores[k + count - 1] - cores[k] < cores[best + count - 1] - cores[best]) best = k;
+  }
+  for (std::size_t k = best; k < best + count; ++k) chosen.push_back(cores[k]);
+}
+
+}  // namespace
+
+Resources::Resources(Machine machine)
+    : machine_(std::move(machine)),
+      spare_idle_(static_cast<int>(machine_.nodes.size()), machine_.largest_node()),
+      spare_(spare_idle_),
+      reserved_idle_(spare_idle_),
+      reserved_all_(spare_idle_) {
   for (std::size_t node = 0; node < machine_.nodes.size(); ++node) {
     first_core_.push_back(static_cast<int>(node_of_.size()));
     node_of_.insert(node_of_.end(), machine_.nodes[node].cpus.size(), static_cast<int>(node));
+    NodeState state;
+    state.idle = static_cast<int>(machine_.nodes[node].cpus.size());
+    nodes_.push_back(state);
   }
   first_core_.push_back(static_cast<int>(node_of_.size()));
   holder_.assign(node_of_.size(), TaskId{});
-  up_.assign(machine_.nodes.size(), true);
-  memory_taken_.assign(machine_.nodes.size(), 0);
+  use_.assign(node_of_.size(), Use::idle);
+  end_.assign(node_of_.size(), 0.0);
+  claimed_.assign(node_of_.size(), false);
   n_free_ = static_cast<int>(holder_.size());
+  for (int node = 0; node < n_nodes(); ++node) reindex(node);
+}
+
+const Hold* Resources::held_by(TaskId id) const {
+  const auto found = holds_.find(id.value);
+  return found == holds_.end() ? nullptr : &found->second;
 }
 
 std::int64_t Resources::free_memory(int node) const {
-  const std::int64_t all = machine_.nodes[static_cast<std::size_t>(node)].memory_bytes;
+  const std::int64_t all = machine_.nodes[index(node)].memory_bytes;
   if (all == 0) return std::numeric_limits<std::int64_t>::max();
-  return all - memory_taken_[static_cast<std::size_t>(node)];
+  return all - nodes_[index(node)].memory_taken;
 }
 
-void Resources::take(const Task& task, const std::vector<int>& cores) {
-  for (const int core : cores) {
+std::int64_t Resources::spare_memory(int node) const { return free_memory(node) - nodes_[index(node)].reserved_memory; }
+
+int Resources::available(int node) const {
+  const NodeState& state = nodes_[index(node)];
+  return state.up ? state.idle + state.lent : 0;
+}
+
+void Resources::reindex(int node) {
+  const NodeState& state = nodes_[index(node)];
+  const int idle = state.up ? state.idle : 0, all = available(node);
+  const int spare = std::max(0, all - state.reserved);
+  if (spare > spare_.count(node)) gained_.push_back(node);
+  spare_.set(node, spare);
+  spare_idle_.set(node, std::min(idle, spare));
+  reserved_idle_.set(node, state.reserved > 0 ? idle : 0);
+  reserved_all_.set(node, state.reserved > 0 ? all : 0);
+}
+
+/// The caller reindexes the node.
+void Resources::set_use(int core, Use use) {
+  Use& now = use_[index(core)];
+  NodeState& state = nodes_[index(node_of(core))];
+  state.idle += (use == Use::idle) - (now == Use::idle);
+  state.lent += (use == Use::lent) - (now == Use::lent);
+  now = use;
+}
+
+Resources::Use Resources::use_when_free(int core) const { return claimed_[index(core)] ? Use::claimed : Use::idle; }
+
+void Resources::take(TaskId id, Hold hold) {
+  const Use use = hold.lends ? Use::lent : Use::taken;
+  int node = -1;
+  hold.cores.for_each([&](int core) {
     GRANARY_ASSERT(is_free(core), core);
-    holder_[static_cast<std::size_t>(core)] = task.id;
+    if (node_of(core) != node && node >= 0) reindex(node);
+    node = node_of(core);
+    holder_[index(core)] = id;
+    end_[index(core)] = hold.end;
+    set_use(core, use);
+  });
+  if (node >= 0) reindex(node);
+  n_free_ -= hold.cores.size();
+  if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
+    auto& shares = memory_of_[id.value];
+    hold.cores.for_each([&](int core) {
+      if (shares.empty() || shares.back().first != node_of(core)) shares.emplace_back(node_of(core), 0);
+      shares.back().second += hold.memory;
+    });
+    for (const auto& [where, bytes] : shares) nodes_[index(where)].memory_taken += bytes;
   }
-  n_free_ -= static_cast<int>(cores.size());
-  cores_of_[task.id.value] = cores;
-  if (task.spec.memory_bytes == 0 || cores.empty() || memory_of_.count(task.id.value) != 0) return;
-  std::map<int, std::int64_t> cores_on;
-  for (const int core : cores) ++cores_on[node_of(core)];
-  for (const auto& [node, count] : cores_on) {
-    const std::int64_t share = task.spec.memory_bytes / static_cast<std::int64_t>(cores.size()) * count;
-    memory_taken_[static_cast<std::size_t>(node)] += share;
-    memory_of_[task.id.value].emplace_back(node, share);
-  }
+  holds_[id.value] = std::move(hold);
 }
 
 void Resources::release(TaskId id, bool keep_memory) {
-  if (const auto held = cores_of_.find(id.value); held != cores_of_.end()) {
-    for (const int core : held->second) holder_[static_cast<std::size_t>(core)] = TaskId{};
-    n_free_ += static_cast<int>(held->second.size());
-    cores_of_.erase(held);
+  if (const auto held = holds_.find(id.value); held != holds_.end()) {
+    int node = -1;
+    held->second.cores.for_each([&](int core) {
+      if (node_of(core) != node && node >= 0) reindex(node);
+      node = node_of(core);
+      holder_[index(core)] = TaskId{};
+      end_[index(core)] = 0.0;
+      set_use(core, use_when_free(core));
+    });
+    if (node >= 0) reindex(node);
+    n_free_ += held->second.cores.size();
+    holds_.erase(held);
   }
   if (keep_memory) return;
   if (const auto memory = memory_of_.find(id.value); memory != memory_of_.end()) {
-    for (const auto& [node, bytes] : memory->second) memory_taken_[static_cast<std::size_t>(node)] -= bytes;
+    for (const auto& [node, bytes] : memory->second) {
+      nodes_[index(node)].memory_taken -= bytes;
+      gained_.push_back(node);
+    }
     memory_of_.erase(memory);
   }
+}
+
+void Resources::set_lends(TaskId id, bool lends) {
+  const auto held = holds_.find(id.value);
+  if (held == holds_.end() || held->second.lends == lends) return;
+  held->second.lends = lends;
+  held->second.cores.for_each([&](int core) {
+    const bool may = lends && !claimed_[index(core)];
+    set_use(core, may ? Use::lent : Use::taken);
+    reindex(node_of(core));
+  });
+}
+
+void Resources::lose_node(int node) {
+  if (!is_up(node)) return;
+  nodes_[index(node)].up = false;
+  ++n_down_;
+  reindex(node);
+}
+
+void Resources::regain_node(int node) {
+  if (is_up(node)) return;
+  nodes_[index(node)].up = true;
+  --n_down_;
+  reindex(node);
+}
+
+void Resources::claim(const CoreSet& cores) {
+  cores.for_each([&](int core) {
+    claimed_[index(core)] = true;
+    if (use_[index(core)] != Use::taken) set_use(core, is_free(core) ? Use::claimed : Use::taken);
+    reindex(node_of(core));
+  });
+}
+
+void Resources::unclaim(const CoreSet& cores) {
+  cores.for_each([&](int core) {
+    claimed_[index(core)] = false;
+    const Hold* hold = is_free(core) ? nullptr : held_by(holder(core));
+    set_use(core, hold == nullptr ? Use::idle : hold->lends ? Use::lent : Use::taken);
+    reindex(node_of(core));
+  });
+}
+
+void Resources::reserve(int node, int count, std::int64_t memory) {
+  nodes_[index(node)].reserved = count;
+  nodes_[index(node)].reserved_memory = memory;
+  reindex(node);
+}
+
+void Resources::unreserve(int node) { reserve(node, 0, 0); }
+
+double Resources::free_at(int node, int count, bool empty) const {
+  thread_local std::vector<double> ends;
+  ends.clear();
+  for (int core = first_core(node); core < end_core(node); ++core) {
+    const Use use = use_[index(core)];
+    ends.push_back(use == Use::idle || use == Use::lent ? 0.0 : end_[index(core)]);
+  }
+  if (empty) return *std::max_element(ends.begin(), ends.end());
+  const auto nth = ends.begin() + (count - 1);
+  std::nth_element(ends.begin(), nth, ends.end());
+  return *nth;
+}
+
+std::vector<int> Resources::pick(int node, int count) const {
+  std::vector<int> chosen, cores;
+  for (const Use wanted : {Use::idle, Use::lent}) {
+    cores.clear();
+    for (int core = first_core(node); core < end_core(node); ++core) {
+      if (use_[index(core)] == wanted) cores.push_back(core);
+    }
+    take_nearest(cores, std::min(cores.size(), index(count) - chosen.size()), chosen);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
 }  // namespace granary::pilot

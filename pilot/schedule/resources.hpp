@@ -1,15 +1,26 @@
-// Which task holds which core and how much memory of a node. Only book-keeping: who gets what is schedule/scheduler.
+// Which task holds which core and how much memory of a node, which cores are kept for whom, and which nodes have how
+// many to give. Only book-keeping, O(1) a node touched: who gets what is schedule/scheduler.
 #pragma once
 
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
-#include "common/result.hpp"
 #include "pilot/schedule/machine.hpp"
-#include "pilot/task/table.hpp"
+#include "pilot/schedule/node_index.hpp"
+#include "pilot/task/core_set.hpp"
+#include "pilot/task/spec.hpp"
 
 namespace granary::pilot {
+
+/// What a task takes.
+struct Hold {
+  CoreSet cores;
+  std::int64_t memory = 0;  ///< bytes a core; 0: not counted
+  double end = 0.0;         ///< when it is expected to leave them [s]; infinity: unknown
+  bool lends = false;       ///< a filler: gives way to any ready task
+};
 
 class Resources {
  public:
@@ -17,35 +28,84 @@ class Resources {
 
   const Machine& machine() const { return machine_; }
   int n_cores() const { return static_cast<int>(holder_.size()); }
+  int n_nodes() const { return static_cast<int>(first_core_.size()) - 1; }
   int n_free() const { return n_free_; }
-  /// Whether tasks may be given cores of this node: false between lose_node() and regain_node().
-  bool is_up(int node) const { return up_[static_cast<std::size_t>(node)]; }
-  void lose_node(int node) { up_[static_cast<std::size_t>(node)] = false; }
-  void regain_node(int node) { up_[static_cast<std::size_t>(node)] = true; }
-  /// The task on a core; nobody's id if it is free.
-  TaskId holder(int core) const { return holder_[static_cast<std::size_t>(core)]; }
-  bool is_free(int core) const { return holder(core) == TaskId{}; }
+  int n_down() const { return n_down_; }
   int node_of(int core) const { return node_of_[static_cast<std::size_t>(core)]; }
   int first_core(int node) const { return first_core_[static_cast<std::size_t>(node)]; }
   int end_core(int node) const { return first_core_[static_cast<std::size_t>(node) + 1]; }
-  int n_nodes() const { return static_cast<int>(first_core_.size()) - 1; }
+  bool is_up(int node) const { return nodes_[static_cast<std::size_t>(node)].up; }
+  /// The task on a core; nobody's id if it is free.
+  TaskId holder(int core) const { return holder_[static_cast<std::size_t>(core)]; }
+  bool is_free(int core) const { return holder(core) == TaskId{}; }
+  bool is_claimed(int core) const { return claimed_[static_cast<std::size_t>(core)]; }
+  /// Free, and nobody has a claim on it.
+  bool is_idle(int core) const { return use_[static_cast<std::size_t>(core)] == Use::idle; }
+  /// What a task holds now; nullptr: no core.
+  const Hold* held_by(TaskId id) const;
   /// Memory of a node that no task has asked for [bytes]; a node of unknown memory has always enough.
   std::int64_t free_memory(int node) const;
+  /// Nodes that can give more cores or memory than when this was last asked; some several times.
+  std::vector<int> take_gained() { return std::exchange(gained_, {}); }
 
   /// Gives free cores to a task, and memory the first time it gets any. A core that is not free is our own mistake.
-  void take(const Task& task, const std::vector<int>& cores);
+  void take(TaskId id, Hold hold);
   /// Takes a task's cores back; its memory too unless it keeps it (a suspended one).
   void release(TaskId id, bool keep_memory = false);
+  void set_lends(TaskId id, bool lends);
+  void lose_node(int node);
+  void regain_node(int node);
+
+  /// Cores kept for one task while the fillers on them end: nobody else's.
+  void claim(const CoreSet& cores);
+  void unclaim(const CoreSet& cores);
+  /// `count` cores and some memory of a node kept for a waiting task, whichever they will be.
+  void reserve(int node, int count, std::int64_t memory);
+  void unreserve(int node);
+  int reserved(int node) const { return nodes_[static_cast<std::size_t>(node)].reserved; }
+  /// Memory a task may have that the reservation is not for.
+  std::int64_t spare_memory(int node) const;
+
+  // Nodes by cores to be had; "idle": without pushing a filler away; "spare": without what is reserved.
+  const NodeIndex& spare_idle() const { return spare_idle_; }
+  const NodeIndex& spare() const { return spare_; }
+  const NodeIndex& reserved_idle() const { return reserved_idle_; }  ///< all of them, on nodes with a reservation only
+  const NodeIndex& reserved_all() const { return reserved_all_; }
+  int idle(int node) const { return nodes_[static_cast<std::size_t>(node)].idle; }
+  /// Idle or a filler's, whatever is reserved.
+  int available(int node) const;
+
+  /// When `count` cores of the node (and all its memory, if `empty`) will be available, by the expected ends [s];
+  /// 0: now.
+  double free_at(int node, int count, bool empty) const;
+  /// `count` available cores of the node: idle ones near each other, then fillers'.
+  std::vector<int> pick(int node, int count) const;
 
  private:
+  enum class Use : char { taken, idle, lent, claimed };
+  struct NodeState {
+    bool up = true;
+    int idle = 0, lent = 0;  ///< cores
+    int reserved = 0;
+    std::int64_t reserved_memory = 0, memory_taken = 0;  ///< [bytes]
+  };
+
+  void set_use(int core, Use use);
+  void reindex(int node);
+  Use use_when_free(int core) const;
+
   Machine machine_;
-  std::vector<TaskId> holder_;              ///< by core
-  std::vector<int> node_of_;                ///< by core
-  std::vector<int> first_core_;             ///< by node, and the end
-  std::vector<std::int64_t> memory_taken_;  ///< by node [bytes]
-  std::vector<bool> up_;                    ///< by node
-  int n_free_ = 0;
-  std::unordered_map<int, std::vector<int>> cores_of_;                            ///< by task id
+  std::vector<int> node_of_;     ///< by core
+  std::vector<int> first_core_;  ///< by node, and the end
+  std::vector<TaskId> holder_;   ///< by core
+  std::vector<Use> use_;         ///< by core
+  std::vector<double> end_;      ///< by core: when its holder is expected to leave it
+  std::vector<bool> claimed_;    ///< by core
+  std::vector<NodeState> nodes_;
+  NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;
+  int n_free_ = 0, n_down_ = 0;
+  std::vector<int> gained_;
+  std::unordered_map<int, Hold> holds_;                                           ///< by task id
   std::unordered_map<int, std::vector<std::pair<int, std::int64_t>>> memory_of_;  ///< by task id: node, bytes
 };
 

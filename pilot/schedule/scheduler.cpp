@@ -1,182 +1,459 @@
 #include "pilot/schedule/scheduler.hpp"
 
 #include <algorithm>
-#include <set>
+#include <utility>
 
-#include "pilot/schedule/placement.hpp"
+#include "common/assert.hpp"
 
 namespace granary::pilot {
 namespace {
 
-class Scheduler {
- public:
-  Scheduler(const Table& table, const Resources& resources, double time_left)
-      : table_(table),
-        resources_(resources),
-        time_left_(time_left),
-        use_(static_cast<std::size_t>(resources.n_cores())),
-        reserved_(use_.size(), false) {
-    for (int node = 0; node < resources.n_nodes(); ++node) memory_.push_back(resources.free_memory(node));
-    for (int core = 0; core < resources.n_cores(); ++core) {
-      const TaskId holder = resources.holder(core);
-      use_[index(core)] = holder == TaskId{} ? Use::free : use_of(table_.at(holder));
-      if (!resources.is_up(resources.node_of(core))) use_[index(core)] = Use::taken;
-    }
-  }
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  std::vector<Decision> decide() {
-    for (const Turn& turn : table_.ready_light) {
-      if (ends_in_time(table_.at(turn.id).spec)) decisions_.push_back(StartTask{turn.id, {}});
-    }
-    start_ready_tasks();
-    run_fillers();
-    return std::move(decisions_);
-  }
+bool runs(const Task& task) { return task.state == TaskState::running; }
 
- private:
-  /// A task of unknown duration may; one that can be stopped and resumed need not end at all.
-  bool ends_in_time(const TaskSpec& spec) const { return spec.resumable || spec.duration() <= time_left_; }
-
-  static std::size_t index(int core) { return static_cast<std::size_t>(core); }
-
-  static Use use_of(const Task& holder) {
-    if (holder.ending == Ending::preempt) return Use::leaving;
-    return holder.spec.fill && holder.ending == Ending::none ? Use::filler : Use::taken;
-  }
-
-  /// What a task at this point of the order may use: nothing that an earlier one waits for.
-  Availability unreserved() const {
-    Availability available{use_, memory_};
-    for (std::size_t k = 0; k < use_.size(); ++k) {
-      if (reserved_[k]) available.use[k] = Use::taken;
-    }
-    return available;
-  }
-
-  void start_ready_tasks() {
-    for (const Turn& turn : table_.ready) {
-      const Availability available = unreserved();
-      const auto taken = std::count(available.use.begin(), available.use.end(), Use::taken);
-      if (taken == static_cast<std::ptrdiff_t>(available.use.size())) return;
-      const Task& task = table_.at(turn.id);
-      if (!ends_in_time(task.spec)) continue;
-      if (const auto cores = choose_cores(task.spec, resources_, available); cores && clear(*cores)) {
-        start(task, *cores);
-      } else {
-        const auto wanted = cores ? *cores : cores_to_wait_for(task.spec, resources_, available.use, reserved_);
-        for (const int core : wanted) reserved_[index(core)] = true;
-      }
-    }
-  }
-
-  /// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it
-  /// has.
-  bool clear(const std::vector<int>& cores) {
-    bool one_leaves = false;
-    std::set<TaskId> to_suspend, to_kill;
-    for (const int core : cores) {
-      one_leaves = one_leaves || use_[index(core)] == Use::leaving;
-      if (use_[index(core)] != Use::filler) continue;
-      const TaskId holder = resources_.holder(core);
-      (table_.at(holder).spec.preempt == Preempt::suspend ? to_suspend : to_kill).insert(holder);
-    }
-    for (const TaskId id : to_kill) {
-      decisions_.push_back(KillFiller{id});
-      mark_cores_of(id, Use::leaving);
-    }
-    if (one_leaves || !to_kill.empty()) return false;
-    for (const TaskId id : to_suspend) {
-      decisions_.push_back(SuspendFiller{id});
-      mark_cores_of(id, Use::free);
-      suspended_now_.insert(id);
-    }
-    return true;
-  }
-
-  void mark_cores_of(TaskId id, Use use) {
-    for (const int core : table_.at(id).last().pieces.back().cores) use_[index(core)] = use;
-  }
-
-  void start(const Task& task, const std::vector<int>& cores) {
-    take(cores);
-    Availability available{{}, std::move(memory_)};
-    take_memory(task.spec, cores, resources_, available);
-    memory_ = std::move(available.free_memory);
-    decisions_.push_back(StartTask{task.id, cores});
-  }
-
-  /// Suspended and ready fillers, by priority; at equal priority those that have begun go first.
-  void run_fillers() {
-    auto suspended = table_.suspended.begin();
-    auto ready = table_.ready_fillers.begin();
-    // Fillers never push each other away: their cores count as taken from here on.
-    for (Use& use : use_) use = use == Use::free ? Use::free : Use::taken;
-    while (std::find(use_.begin(), use_.end(), Use::free) != use_.end()) {
-      const bool more_suspended = suspended != table_.suspended.end(), more_ready = ready != table_.ready_fillers.end();
-      if (!more_suspended && !more_ready) return;
-      if (more_suspended && (!more_ready || suspended->priority >= ready->priority)) {
-        resume(table_.at((suspended++)->id));
-      } else if (const Task& next = table_.at((ready++)->id); ends_in_time(next.spec) && !start_filler(next)) {
-        ready = table_.ready_fillers.end();  // the next ones would overtake it for ever
-      }
-    }
-  }
-
-  void resume(const Task& task) {
-    if (task.ending != Ending::none || suspended_now_.count(task.id) != 0) return;
-    std::vector<int> cores = task.last().pieces.back().cores;
-    const auto is_free = [this](int core) { return use_[index(core)] == Use::free; };
-    if (!std::all_of(cores.begin(), cores.end(), is_free)) {
-      const auto moved = other_cores(task, cores);
-      if (!moved) return;
-      cores = *moved;
-    }
-    take(cores);
-    decisions_.push_back(ResumeFiller{task.id, cores});
-  }
-
-  /// As many free cores of the same nodes, for a process can be moved to other cores but not to another node.
-  std::optional<std::vector<int>> other_cores(const Task& task, const std::vector<int>& held) const {
-    std::vector<int> moved;
-    for (int node = 0; node < resources_.n_nodes(); ++node) {
-      const auto on_node = [&](int core) { return resources_.node_of(core) == node; };
-      auto missing = std::count_if(held.begin(), held.end(), on_node);
-      for (int core = resources_.first_core(node); core < resources_.end_core(node) && missing > 0; ++core) {
-        if (use_[index(core)] != Use::free) continue;
-        moved.push_back(core);
-        --missing;
-      }
-      if (missing > 0) return std::nullopt;
-    }
-    GRANARY_ASSERT(static_cast<int>(moved.size()) == task.spec.cores());
-    return moved;
-  }
-
-  bool start_filler(const Task& task) {
-    const auto cores = choose_cores(task.spec, resources_, {use_, memory_});
-    if (cores) start(task, *cores);
-    return cores.has_value();
-  }
-
-  void take(const std::vector<int>& cores) {
-    for (const int core : cores) use_[index(core)] = Use::taken;
-  }
-
-  const Table& table_;
-  const Resources& resources_;
-  double time_left_;  ///< until the allocation's end [s]
-  std::vector<Use> use_;
-  std::vector<std::int64_t> memory_;  ///< free, by node [bytes]
-  std::vector<bool> reserved_;        ///< by core: an earlier task waits for it
-  std::set<TaskId> suspended_now_;
-  std::vector<Decision> decisions_;
-};
+/// When a task that starts now is expected to have left its cores.
+double expected_end(const Task& task, double now) {
+  const double duration = task.spec.duration();
+  if (duration <= 0.0) return kNever;
+  // A filler that was suspended has run for a while already.
+  return now + std::max(0.0, duration - (task.attempts.empty() ? 0.0 : task.last().ran(now)));
+}
 
 }  // namespace
 
-std::vector<Decision> schedule(const Table& table, const Resources& resources, double time_left) {
-  if (table.n_ready() == 0 && table.suspended.empty()) return {};
-  return Scheduler(table, resources, time_left).decide();
+Scheduler::Scheduler(Table& table, Machine machine)
+    : table_(table), resources_(std::move(machine)), layouts_(resources_.machine()) {
+  for (const Task& task : table_.tasks) follow(task);
+  table_.changed.clear();
+}
+
+// --- following the table ---
+
+void Scheduler::catch_up() {
+  // Some tasks are named several times; the second time nothing is new.
+  for (const TaskId id : std::exchange(table_.changed, {})) follow(table_.at(id));
+}
+
+/// Brings the queues and the book of cores to what the table says of one task.
+void Scheduler::follow(const Task& task) {
+  const Hold* hold = resources_.held_by(task.id);
+  if (runs(task)) {
+    if (hold == nullptr && !task.last().pieces.back().cores.empty()) book(task, task.last().pieces.back().cores);
+    if (task.spec.fill) resources_.set_lends(task.id, task.ending == Ending::none);
+  } else {
+    resources_.release(task.id, task.state == TaskState::suspended);
+  }
+  const bool is_ready = task.state == TaskState::ready;
+  if (!is_ready) late_.erase(task.id);
+  if (const auto claim = claims_.find(task.id); claim != claims_.end() && !is_ready) {
+    resources_.unclaim(claim->second);
+    claims_.erase(claim);
+  }
+  if (task.spec.light) {
+    if (is_ready && late_.count(task.id) == 0) {
+      light_.insert(task.id);
+    } else {
+      light_.erase(task.id);
+    }
+    return;
+  }
+  ReadyQueue& queue = task.spec.fill ? fillers_ : ready_;
+  const bool waits_elsewhere = claims_.count(task.id) != 0 || late_.count(task.id) != 0;
+  if (is_ready && !waits_elsewhere) {
+    if (!queue.has(task.id)) queue.insert(task, layouts_.of(task.spec));
+  } else {
+    queue.erase(task);
+  }
+}
+
+void Scheduler::lose_node(int node) {
+  resources_.lose_node(node);
+  drop_reservation();
+  for (auto claim = claims_.begin(); claim != claims_.end();) {
+    bool there = false;
+    claim->second.for_each([&](int core) { there = there || resources_.node_of(core) == node; });
+    const TaskId id = claim->first;
+    if (!there) {
+      ++claim;
+      continue;
+    }
+    resources_.unclaim(claim->second);
+    claim = claims_.erase(claim);
+    follow(table_.at(id));
+  }
+}
+
+void Scheduler::regain_node(int node) { resources_.regain_node(node); }
+
+bool Scheduler::ends_in_time(const TaskSpec& spec) const {
+  return spec.resumable || now_ + spec.duration() <= deadline_;
+}
+
+/// True if the task was set aside because of the deadline.
+bool Scheduler::set_late_aside(TaskId id) {
+  const Task& task = table_.at(id);
+  if (ends_in_time(task.spec)) return false;
+  late_.insert(id);
+  follow(task);
+  return true;
+}
+
+bool Scheduler::only_late_ones_left() const {
+  return !late_.empty() && ready_.empty() && fillers_.empty() && light_.empty() && claims_.empty();
+}
+
+// --- a round ---
+
+std::vector<Decision> Scheduler::decide(double now, double deadline) {
+  now_ = now;
+  if (deadline != deadline_) {
+    deadline_ = deadline;
+    for (const TaskId id : std::exchange(late_, {})) follow(table_.at(id));
+  }
+  catch_up();
+  start_light();
+  start_claimed();
+  restore_for_memory();
+  while (start_first()) {
+  }
+  backfill();
+  backfill_short();
+  ready_.restore();
+  run_fillers();
+  suspended_now_.clear();
+  return std::exchange(decisions_, {});
+}
+
+void Scheduler::start_light() {
+  for (const TaskId id : std::set<TaskId>(light_)) {
+    if (set_late_aside(id)) continue;
+    light_.erase(id);
+    decisions_.push_back(StartTask{id, {}});
+  }
+}
+
+/// Tasks that were waiting for fillers to be killed.
+void Scheduler::start_claimed() {
+  for (auto claim = claims_.begin(); claim != claims_.end();) {
+    const Task& task = table_.at(claim->first);
+    bool ready = true;
+    claim->second.for_each([&](int core) {
+      if (resources_.is_free(core)) return;
+      const Hold* hold = resources_.held_by(resources_.holder(core));
+      ready = ready && hold->lends && table_.at(resources_.holder(core)).spec.preempt == Preempt::suspend;
+    });
+    const std::int64_t memory = layouts_.of(task.spec).memory;
+    for (const CoreSet::Stretch& stretch : claim->second.stretches())
+      ready = ready && resources_.free_memory(resources_.node_of(stretch.first)) >= memory * stretch.count;
+    if (!ready) {
+      ++claim;
+      continue;
+    }
+    const CoreSet cores = std::move(claim->second);
+    resources_.unclaim(cores);
+    claim = claims_.erase(claim);
+    (void)make_way(cores);
+    book(task, cores);
+    decisions_.push_back(StartTask{task.id, cores});
+  }
+}
+
+/// Starts the first task in turn; if it cannot start, sees to its reservation. False: nothing more to do with it.
+bool Scheduler::start_first() {
+  const auto first = ready_.first();
+  if (!first) {
+    drop_reservation();
+    return false;
+  }
+  if (set_late_aside(*first)) return true;
+  const Task& task = table_.at(*first);
+  if (reservation_ && reservation_->task != *first) drop_reservation();
+  if (reservation_) {
+    improve_reservation();
+    if (reservation_is_complete()) {
+      const Parts parts = reservation_->parts;
+      drop_reservation();
+      start_on(task, parts);
+      return true;
+    }
+  } else if (const auto parts = places(*first, resources_.spare_idle(), resources_.spare(), false)) {
+    start_on(task, *parts);
+    return true;
+  }
+  ready_.pass_over(*first, false);
+  if (!reservation_ && resources_.spare().at_least().size() > 1 && resources_.spare().at_least()[1] > 0)
+    reserve_for(task);
+  return false;
+}
+
+/// Later tasks use what the reservation does not need.
+void Scheduler::backfill() {
+  while (const auto next = ready_.first_fitting(resources_.spare())) {
+    if (set_late_aside(*next)) continue;
+    const Task& task = table_.at(*next);
+    if (const auto parts = places(*next, resources_.spare_idle(), resources_.spare(), false)) {
+      start_on(task, *parts);
+    } else {
+      const Layout& layout = ready_.layout(*next);
+      ready_.pass_over(*next, layout.memory > 0 && layout.large == layout.small);
+    }
+  }
+}
+
+/// Groups that lack nothing but memory are looked at again when a node could help.
+void Scheduler::restore_for_memory() {
+  const std::vector<int> gained = resources_.take_gained();
+  if (gained.empty()) return;
+  ready_.restore_memory([&](const Layout& layout) {
+    return std::any_of(gained.begin(), gained.end(), [&](int node) {
+      return resources_.spare().count(node) >= layout.small &&
+             resources_.spare_memory(node) >= layout.small * layout.memory;
+    });
+  });
+}
+
+/// Tasks that end before the reservation begins may use the reserved cores until then.
+void Scheduler::backfill_short() {
+  if (!reservation_ || reservation_->start == kNever) return;
+  while (const auto next = ready_.first_fitting(resources_.reserved_all(), reservation_->start - now_)) {
+    if (set_late_aside(*next)) continue;
+    if (const auto parts = places(*next, resources_.reserved_idle(), resources_.reserved_all(), true)) {
+      start_on(table_.at(*next), *parts);
+    } else {
+      ready_.pass_over(*next, false);
+    }
+  }
+}
+
+// --- where a task goes ---
+
+/// Nodes and cores for a task, none of which it has yet; nothing if there is not enough. Packing takes the node that
+/// fits most tightly, spreading the emptiest.
+std::optional<Scheduler::Parts> Scheduler::places(const Layout& layout, bool spread, const NodeIndex& nodes,
+                                                  bool reserved_too) const {
+  const std::vector<int>& at_least = nodes.at_least();
+  const auto enough = [&](int cores, int n) {
+    return cores <= nodes.largest() && at_least[static_cast<std::size_t>(cores)] >= n;
+  };
+  if (layout.nodes == 0 || !enough(layout.large, layout.n_large) || !enough(layout.small, layout.nodes))
+    return std::nullopt;
+  Parts parts;
+  const int step = spread ? -1 : 1;
+  // Where the search for the next node goes on: nodes before it are taken, or lack the memory.
+  int count = 0, from = 0, cores = 0;
+  while (static_cast<int>(parts.size()) < layout.nodes) {
+    const int wanted = layout.cores_on(static_cast<int>(parts.size()));
+    if (wanted != cores) {
+      cores = wanted;
+      count = spread ? nodes.largest() : wanted;
+      from = 0;
+    }
+    int node = -1;
+    while (count >= cores && count <= nodes.largest() && (node = nodes.next(count, from)) < 0) {
+      count += step;
+      from = 0;
+    }
+    if (node < 0) return std::nullopt;
+    from = node + 1;
+    const std::int64_t memory = reserved_too ? resources_.free_memory(node) : resources_.spare_memory(node);
+    const auto taken = [&](const Reservation::Part& part) { return part.node == node; };
+    // Only the second kind of share, searched anew, can come upon nodes of the first one.
+    if (cores == layout.small && layout.n_large < layout.nodes && std::any_of(parts.begin(), parts.end(), taken))
+      continue;
+    if (layout.memory > 0 && memory < layout.memory * cores) continue;
+    parts.push_back({node, cores});
+  }
+  return parts;
+}
+
+std::optional<Scheduler::Parts> Scheduler::places(TaskId id, const NodeIndex& idle, const NodeIndex& all,
+                                                  bool reserved_too) const {
+  const Layout& layout = ready_.layout(id);
+  const bool spread = table_.at(id).spec.placement == Placement::spread;
+  auto parts = places(layout, spread, idle, reserved_too);
+  return parts ? parts : places(layout, spread, all, reserved_too);
+}
+
+CoreSet Scheduler::pick(const Parts& parts) const {
+  CoreSet cores;
+  for (const Reservation::Part& part : parts) {
+    for (const int core : resources_.pick(part.node, part.cores)) cores.add(core);
+  }
+  return cores;
+}
+
+/// Starts the task there, or claims the cores for it while fillers on them end.
+void Scheduler::start_on(const Task& task, const Parts& parts) {
+  const CoreSet cores = pick(parts);
+  GRANARY_ASSERT(cores.size() == task.spec.cores(), task.spec.name);
+  ready_.erase(task);
+  if (make_way(cores)) {
+    book(task, cores);
+    decisions_.push_back(StartTask{task.id, cores});
+  } else {
+    resources_.claim(cores);
+    claims_.emplace(task.id, cores);
+  }
+}
+
+/// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it
+/// has.
+bool Scheduler::make_way(const CoreSet& cores) {
+  std::set<TaskId> to_suspend, to_kill;
+  cores.for_each([&](int core) {
+    const TaskId holder = resources_.holder(core);
+    if (holder == TaskId{}) return;
+    (table_.at(holder).spec.preempt == Preempt::suspend ? to_suspend : to_kill).insert(holder);
+  });
+  for (const TaskId id : to_kill) {
+    decisions_.push_back(KillFiller{id});
+    resources_.set_lends(id, false);
+  }
+  if (!to_kill.empty()) return false;
+  for (const TaskId id : to_suspend) {
+    decisions_.push_back(SuspendFiller{id});
+    resources_.release(id, true);
+    suspended_now_.insert(id);
+  }
+  return true;
+}
+
+void Scheduler::book(const Task& task, const CoreSet& cores) {
+  const std::int64_t memory = task.spec.cores() > 0 ? task.spec.memory_bytes / task.spec.cores() : 0;
+  resources_.take(task.id, {cores, memory, expected_end(task, now_), task.spec.fill && task.ending == Ending::none});
+}
+
+// --- the reservation ---
+
+/// Promises the nodes on which the task's cores are there first, as far as anybody knows. Of the nodes that do not
+/// have enough yet only those with most are asked, some for each node wanted: a bound, not the optimum.
+void Scheduler::reserve_for(const Task& task) {
+  const Layout& layout = ready_.layout(task.id);
+  const NodeIndex& nodes = resources_.spare();
+  struct Candidate {
+    double at = 0.0;
+    int node = 0;
+  };
+  std::vector<Candidate> candidates;
+  const std::size_t enough = 16 + 2 * static_cast<std::size_t>(layout.nodes);
+  for (int count = nodes.largest(); count >= 0 && candidates.size() < enough; --count) {
+    for (int node = nodes.next(count, 0); node >= 0 && candidates.size() < enough; node = nodes.next(count, node + 1)) {
+      const int size = resources_.end_core(node) - resources_.first_core(node);
+      if (!resources_.is_up(node) || size < layout.small) continue;
+      const bool lacks_memory = resources_.free_memory(node) < layout.memory * layout.large;
+      const double at = resources_.free_at(node, std::min(size, layout.large), lacks_memory);
+      candidates.push_back({at, node});
+    }
+  }
+  if (static_cast<int>(candidates.size()) < layout.nodes) return;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.at < b.at; });
+  Reservation reservation{task.id, {}, now_};
+  for (int k = 0; k < layout.nodes; ++k) {
+    const int cores = layout.cores_on(k);
+    const auto fits = [&](const Candidate& candidate) {
+      return candidate.node >= 0 &&
+             resources_.end_core(candidate.node) - resources_.first_core(candidate.node) >= cores;
+    };
+    const auto found = std::find_if(candidates.begin(), candidates.end(), fits);
+    if (found == candidates.end()) return;
+    reservation.parts.push_back({found->node, cores});
+    reservation.start = std::max(reservation.start, found->at);
+    found->node = -1;
+  }
+  for (const Reservation::Part& part : reservation.parts)
+    resources_.reserve(part.node, part.cores, layout.memory * part.cores);
+  reservation_ = std::move(reservation);
+}
+
+/// A node that is still busy is given up for one that has become free elsewhere.
+void Scheduler::improve_reservation() {
+  const Layout& layout = ready_.layout(reservation_->task);
+  for (Reservation::Part& part : reservation_->parts) {
+    if (resources_.available(part.node) >= part.cores &&
+        resources_.free_memory(part.node) >= layout.memory * part.cores)
+      continue;
+    const auto other = places(Layout{1, part.cores, part.cores, 1, layout.memory}, false, resources_.spare(), false);
+    // A node of the reservation itself may have more than it keeps; it cannot be promised twice.
+    if (!other || resources_.reserved(other->front().node) > 0) continue;
+    resources_.unreserve(part.node);
+    part.node = other->front().node;
+    resources_.reserve(part.node, part.cores, layout.memory * part.cores);
+  }
+}
+
+bool Scheduler::reservation_is_complete() const {
+  const Layout& layout = ready_.layout(reservation_->task);
+  return std::all_of(reservation_->parts.begin(), reservation_->parts.end(), [&](const Reservation::Part& part) {
+    return resources_.available(part.node) >= part.cores &&
+           resources_.free_memory(part.node) >= layout.memory * part.cores;
+  });
+}
+
+void Scheduler::drop_reservation() {
+  if (!reservation_) return;
+  for (const Reservation::Part& part : reservation_->parts) resources_.unreserve(part.node);
+  reservation_.reset();
+}
+
+// --- fillers ---
+
+/// Suspended and ready fillers, by priority; at equal priority those that have begun go first.
+void Scheduler::run_fillers() {
+  bool blocked = false;
+  int resumed_down_to = std::numeric_limits<int>::max();
+  while (resources_.n_free() > 0) {
+    const auto first = blocked ? std::nullopt : fillers_.first();
+    const int priority = first ? table_.at(*first).spec.priority : std::numeric_limits<int>::min();
+    if (priority < resumed_down_to) resume_fillers(resumed_down_to = priority);
+    if (!first) return;
+    // If it does not fit, the next ones would overtake it for ever.
+    if (!set_late_aside(*first)) blocked = !start_filler(table_.at(*first));
+  }
+}
+
+/// On idle cores only: fillers never push each other away.
+bool Scheduler::start_filler(const Task& task) {
+  const Layout& layout = fillers_.layout(task.id);
+  const bool spread = task.spec.placement == Placement::spread;
+  auto parts = places(layout, spread, resources_.spare_idle(), true);
+  if (!parts) parts = places(layout, spread, resources_.reserved_idle(), true);
+  if (!parts) return false;
+  const CoreSet cores = pick(*parts);
+  fillers_.erase(task);
+  book(task, cores);
+  decisions_.push_back(StartTask{task.id, cores});
+  return true;
+}
+
+/// A suspended filler goes on on its own cores, or on others of the same nodes: a process can be moved to other cores
+/// but not to another node.
+void Scheduler::resume_fillers(int lowest_priority) {
+  for (const Turn& turn : table_.suspended) {
+    if (resources_.n_free() == 0 || turn.priority < lowest_priority) return;
+    const Task& task = table_.at(turn.id);
+    const bool decided_already = resources_.held_by(task.id) != nullptr || suspended_now_.count(task.id) != 0;
+    if (task.ending != Ending::none || decided_already) continue;
+    CoreSet cores = task.last().pieces.back().cores;
+    std::map<int, int> count;
+    bool same = true;
+    cores.for_each([&](int core) {
+      ++count[resources_.node_of(core)];
+      same = same && resources_.is_idle(core);
+    });
+    const auto has_room = [&](const auto& part) {
+      return resources_.is_up(part.first) && resources_.idle(part.first) >= part.second;
+    };
+    if (!std::all_of(count.begin(), count.end(), has_room)) continue;
+    if (!same) {
+      Parts parts;
+      for (const auto& [node, n] : count) parts.push_back({node, n});
+      cores = pick(parts);
+    }
+    book(task, cores);
+    decisions_.push_back(ResumeFiller{task.id, cores});
+  }
 }
 
 }  // namespace granary::pilot

@@ -7,17 +7,7 @@
 namespace granary::pilot {
 namespace {
 
-json::Value of_cores(const std::vector<int>& cores) {
-  json::Value list = json::Value::array();
-  for (const int core : cores) list.push(core);
-  return list;
-}
-
-std::vector<int> cores_in(const json::Value& payload) {
-  std::vector<int> cores;
-  for (const double core : payload.numbers("cores")) cores.push_back(static_cast<int>(core));
-  return cores;
-}
+Result<CoreSet> cores_in(const json::Value& payload) { return CoreSet::parse(payload.text_or("cores", "")); }
 
 json::Value of_attempt(double time, AttemptId attempt) {
   return json::Value::object({{"time_s", time}, {"id", attempt.task.value}, {"attempt", attempt.number}});
@@ -28,7 +18,7 @@ struct ToJson {
   json::Value operator()(const Submitted& e) const {
     return json::Value::object({{"time_s", time}, {"id", e.id.value}, {"task", to_json(e.spec)}});
   }
-  json::Value operator()(const Placed& e) const { return of_attempt(time, e.attempt).set("cores", of_cores(e.cores)); }
+  json::Value operator()(const Placed& e) const { return of_attempt(time, e.attempt).set("cores", e.cores.text()); }
   json::Value operator()(const Started& e) const {
     return of_attempt(time, e.attempt).set("pid", e.pid).set("start_ticks", static_cast<std::int64_t>(e.start_ticks));
   }
@@ -49,7 +39,7 @@ struct ToJson {
   json::Value operator()(const TimedOut& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const GraceOver& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const Suspended& e) const { return of_attempt(time, e.attempt); }
-  json::Value operator()(const Resumed& e) const { return of_attempt(time, e.attempt).set("cores", of_cores(e.cores)); }
+  json::Value operator()(const Resumed& e) const { return of_attempt(time, e.attempt).set("cores", e.cores.text()); }
   json::Value operator()(const Preempted& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const Lost& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
   json::Value operator()(const Abandoned& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
@@ -102,7 +92,10 @@ Result<Event> event_from_json(const std::string& kind, const json::Value& payloa
   const auto reason = [&] { return payload.text_or("reason", ""); };
   if (id.value < 0) return Error{fmt::format("a record of kind {} names no task", kind)};
   if (kind == "task.submit") return Event{time, Submitted{id, spec_from_json(payload["task"])}};
-  if (kind == "task.place") return Event{time, Placed{attempt, cores_in(payload)}};
+  if (kind == "task.place") {
+    GRANARY_TRY(CoreSet cores, cores_in(payload));
+    return Event{time, Placed{attempt, std::move(cores)}};
+  }
   if (kind == "task.start") {
     return Event{time, Started{attempt, static_cast<int>(payload.integer_or("pid", 0)),
                                static_cast<std::uint64_t>(payload.integer_or("start_ticks", 0))}};
@@ -116,7 +109,10 @@ Result<Event> event_from_json(const std::string& kind, const json::Value& payloa
   if (kind == "task.timeout") return Event{time, TimedOut{attempt}};
   if (kind == "task.grace_over") return Event{time, GraceOver{attempt}};
   if (kind == "task.suspend") return Event{time, Suspended{attempt}};
-  if (kind == "task.resume") return Event{time, Resumed{attempt, cores_in(payload)}};
+  if (kind == "task.resume") {
+    GRANARY_TRY(CoreSet cores, cores_in(payload));
+    return Event{time, Resumed{attempt, std::move(cores)}};
+  }
   if (kind == "task.preempt") return Event{time, Preempted{attempt}};
   if (kind == "task.lost") return Event{time, Lost{attempt, reason()}};
   if (kind == "task.abandon") return Event{time, Abandoned{attempt, reason()}};

@@ -9,6 +9,7 @@
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
+#include "pilot/task/core_set.hpp"
 #include "pilot/task/spec.hpp"
 
 namespace granary::pilot {
@@ -20,7 +21,7 @@ struct Submitted {
 /// The scheduler gave it these cores: it starts.
 struct Placed {
   AttemptId attempt;
-  std::vector<int> cores;
+  CoreSet cores;
 };
 struct Started {
   AttemptId attempt;
@@ -58,7 +59,7 @@ struct Suspended {
 };
 struct Resumed {
   AttemptId attempt;
-  std::vector<int> cores;
+  CoreSet cores;
 };
 struct Preempted {
   AttemptId attempt;

@@ -15,10 +15,6 @@ const Task* Table::find(const std::string& name) const {
   return found == by_name.end() ? nullptr : &at(found->second);
 }
 
-std::set<Turn>& Table::ready_set(const TaskSpec& spec) {
-  return spec.light ? ready_light : spec.fill ? ready_fillers : ready;
-}
-
 namespace {
 
 Error broken(const Task& task, const std::string& what) {
@@ -54,8 +50,7 @@ Status check_task(const Task& task, const Table& table) {
       const bool open = last_and_active && task.state == TaskState::running && p + 1 == attempt.pieces.size();
       if (open != (piece.end < 0.0)) return broken(task, "a piece is open that should be closed, or closed too early");
       if (!open && piece.end < piece.start) return broken(task, "a piece ends before it starts");
-      if (static_cast<int>(piece.cores.size()) != task.spec.cores())
-        return broken(task, "runs on a wrong number of cores");
+      if (piece.cores.size() != task.spec.cores()) return broken(task, "runs on a wrong number of cores");
     }
   }
   return {};
@@ -73,25 +68,22 @@ Status Table::check_invariants() const {
       return broken(task, "is not found by name");
     GRANARY_CHECK(check_task(task, *this));
     const Turn turn{task.spec.priority, task.id};
-    const std::set<Turn>& own_set = const_cast<Table*>(this)->ready_set(task.spec);
     waiting += task.state == TaskState::waiting;
     n_running += task.state == TaskState::running;
     n_suspended += task.state == TaskState::suspended;
     ready_count += task.state == TaskState::ready;
-    if ((task.state == TaskState::ready) != (own_set.count(turn) == 1))
-      return broken(task, "stands in the wrong queue");
     if ((task.state == TaskState::running) != (running.count(task.id) == 1))
       return broken(task, "is not among the running");
     if ((task.state == TaskState::suspended) != (suspended.count(turn) == 1))
       return broken(task, "is not among the suspended");
     if (task.state == TaskState::running) {
-      for (const int core : task.last().pieces.back().cores) {
+      for (const int core : task.last().pieces.back().cores.list()) {
         if (!held.insert(core).second) return broken(task, fmt::format("shares core {} with another task", core));
       }
     }
   }
   if (waiting != n_waiting || n_running != running.size() || n_suspended != suspended.size() ||
-      ready_count != n_ready()) {
+      ready_count != n_ready) {
     return Error{"the table's counts do not match its tasks", Exit::internal};
   }
   return {};

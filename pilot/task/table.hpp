@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "pilot/task/core_set.hpp"
 #include "pilot/task/spec.hpp"
 #include "pilot/task/state.hpp"
 
@@ -17,7 +18,7 @@ namespace granary::pilot {
 /// A stretch in which an attempt ran without being suspended. `end` < 0: it still runs.
 struct Piece {
   double start = 0.0, end = -1.0;
-  std::vector<int> cores;
+  CoreSet cores;
 };
 
 struct Attempt {
@@ -68,19 +69,15 @@ struct Table {
   std::vector<Task> tasks;  ///< by id
   std::unordered_map<std::string, TaskId> by_name;
   // Indices of `tasks` by state, so that nothing walks through all of them.
-  std::set<Turn> ready, ready_fillers, ready_light;
   std::set<TaskId> running;
   std::set<Turn> suspended;
-  std::size_t n_waiting = 0;
+  std::size_t n_waiting = 0, n_ready = 0;
+  std::vector<TaskId> changed;  ///< state or ending has changed since the scheduler looked; some several times
 
   Task& at(TaskId id) { return tasks.at(static_cast<std::size_t>(id.value)); }
   const Task& at(TaskId id) const { return tasks.at(static_cast<std::size_t>(id.value)); }
   const Task* find(const std::string& name) const;
   bool has(TaskId id) const { return id.value >= 0 && static_cast<std::size_t>(id.value) < tasks.size(); }
-  /// The set a ready task stands in.
-  std::set<Turn>& ready_set(const TaskSpec& spec);
-  std::size_t n_ready() const { return ready.size() + ready_fillers.size() + ready_light.size(); }
-
   /// What must hold after every event; the error names what does not. Cost: all tasks; for tests.
   Status check_invariants() const;
 };

@@ -110,7 +110,7 @@ class Step {
     }
     if (task.ending == Ending::stop || task.ending == Ending::stop_resumable) return;
     const bool asked_already = task.ending != Ending::none, dying = task.ending == Ending::lost;
-    task.ending = event.resumable ? Ending::stop_resumable : Ending::stop;
+    set_ending(task, event.resumable ? Ending::stop_resumable : Ending::stop);
     task.reason = event.reason;
     if (dying) return (*this)(Lost{task.attempt_id(), event.reason});
     if (!asked_already) ask_to_end(task);
@@ -119,7 +119,7 @@ class Step {
   void operator()(const TimedOut& event) {
     Task* task = active(event.attempt);
     if (task == nullptr || task->state != TaskState::running || task->ending != Ending::none) return;
-    task->ending = Ending::timeout;
+    set_ending(*task, Ending::timeout);
     ask_to_end(*task);
   }
 
@@ -139,7 +139,6 @@ class Step {
     enter(*task, TaskState::suspended);
     actions_.push_back(ClearAlarm{event.attempt, Alarm::timeout});
     actions_.push_back(Pause{event.attempt});
-    actions_.push_back(FreeCores{event.attempt});
   }
 
   void operator()(const Resumed& event) {
@@ -159,7 +158,7 @@ class Step {
     Task* task = active(event.attempt);
     if (task == nullptr || task->state != TaskState::running || !task->spec.fill || task->ending != Ending::none)
       return;
-    task->ending = Ending::preempt;
+    set_ending(*task, Ending::preempt);
     actions_.push_back(Kill{event.attempt});
   }
 
@@ -175,7 +174,7 @@ class Step {
   void operator()(const Abandoned& event) {
     Task* task = active(event.attempt);
     if (task == nullptr || task->ending == Ending::stop || task->ending == Ending::stop_resumable) return;
-    task->ending = Ending::lost;
+    set_ending(*task, Ending::lost);
     task->reason = event.reason;
     actions_.push_back(Kill{event.attempt});
     actions_.push_back(SetAlarm{event.attempt, Alarm::grace, task->spec.stop.grace});
@@ -200,13 +199,14 @@ class Step {
 
   /// Moves a task from the index of its state to that of the next one.
   void enter(Task& task, TaskState next) {
+    table_.changed.push_back(task.id);
     const Turn turn{task.spec.priority, task.id};
     switch (task.state) {
       case TaskState::waiting:
         --table_.n_waiting;
         break;
       case TaskState::ready:
-        table_.ready_set(task.spec).erase(turn);
+        --table_.n_ready;
         break;
       case TaskState::running:
         table_.running.erase(task.id);
@@ -223,7 +223,7 @@ class Step {
         ++table_.n_waiting;
         break;
       case TaskState::ready:
-        table_.ready_set(task.spec).insert(turn);
+        ++table_.n_ready;
         break;
       case TaskState::running:
         table_.running.insert(task.id);
@@ -234,6 +234,12 @@ class Step {
       default:
         break;
     }
+  }
+
+  /// A filler that is being ended lends its cores no more.
+  void set_ending(Task& task, Ending ending) {
+    task.ending = ending;
+    table_.changed.push_back(task.id);
   }
 
   void ask_to_end(Task& task) {
@@ -250,7 +256,6 @@ class Step {
     task.ending = Ending::none;
     actions_.push_back(ClearAlarm{task.attempt_id(), Alarm::timeout});
     actions_.push_back(ClearAlarm{task.attempt_id(), Alarm::grace});
-    actions_.push_back(FreeCores{task.attempt_id()});
   }
 
   void fail(Task& task, const std::string& reason) {

@@ -36,16 +36,12 @@ struct ClearAlarm {
   AttemptId attempt;
   Alarm alarm = Alarm::timeout;
 };
-/// The attempt has left its cores for good.
-struct FreeCores {
-  AttemptId attempt;
-};
 /// It has ended for good: tell who wants to know.
 struct Report {
   TaskId id;
 };
 
-using Action = std::variant<Spawn, AskToEnd, Kill, Pause, Continue, SetAlarm, ClearAlarm, FreeCores, Report>;
+using Action = std::variant<Spawn, AskToEnd, Kill, Pause, Continue, SetAlarm, ClearAlarm, Report>;
 
 /// Applies an event to the table. An event that comes too late (about an attempt that is over, or a state it does not
 /// apply to) changes nothing and gives no actions: so twice does no harm. Dependencies of a Submitted task must be in

@@ -12,11 +12,11 @@ namespace {
 /// A pilot without journal and processes, driven by random choices.
 class RandomPilot {
  public:
-  explicit RandomPilot(Machine machine) : resources_(std::move(machine)) {}
+  explicit RandomPilot(Machine machine) : scheduler_(table_, std::move(machine)) {}
 
   void submit() {
     TaskSpec spec = a_task("t" + std::to_string(table_.tasks.size()));
-    spec.ranks = *rc::gen::inRange(1, resources_.machine().largest_node() + 1);
+    spec.ranks = *rc::gen::inRange(1, resources().machine().largest_node() + 1);
     spec.fill = *rc::gen::arbitrary<bool>();
     spec.preempt = *rc::gen::arbitrary<bool>() ? Preempt::suspend : Preempt::kill;
     spec.light = !spec.fill && spec.ranks == 1 && *rc::gen::inRange(0, 5) == 0;
@@ -52,10 +52,10 @@ class RandomPilot {
   void decide() {
     // A filler that gave way may go on on other cores in the second round; then all is decided.
     for (int round = 0; round < 2; ++round) {
-      for (const Decision& decision : schedule(table_, resources_))
+      for (const Decision& decision : scheduler_.decide(time_))
         std::visit([this](const auto& d) { carry_out(d); }, decision);
     }
-    RC_ASSERT(schedule(table_, resources_).empty());
+    RC_ASSERT(scheduler_.decide(time_).empty());
     check_cores();
     check_no_ready_task_is_delayed_by_a_filler();
   }
@@ -64,64 +64,56 @@ class RandomPilot {
   template <class What>
   void happens(What what) {
     time_ += 1.0;
-    for (const Action& action : update(table_, Event{time_, std::move(what)})) {
-      if (const auto* freed = std::get_if<FreeCores>(&action)) {
-        resources_.release(freed->attempt.task, table_.at(freed->attempt.task).state == TaskState::suspended);
-      }
-    }
+    (void)update(table_, Event{time_, std::move(what)});
     const Status sound = table_.check_invariants();
     if (!sound) RC_FAIL(sound.error().message);
   }
 
-  void take(TaskId id, const std::vector<int>& cores) {
-    for (const int core : cores) RC_ASSERT(resources_.is_free(core));
-    resources_.take(table_.at(id), cores);
-  }
   void carry_out(const StartTask& d) {
-    take(d.id, d.cores);
     happens(Placed{{d.id, table_.at(d.id).attempt_id().number + 1}, d.cores});
     RC_ASSERT(table_.at(d.id).state == TaskState::running);
   }
   void carry_out(const SuspendFiller& d) { happens(Suspended{table_.at(d.id).attempt_id()}); }
   void carry_out(const KillFiller& d) { happens(Preempted{table_.at(d.id).attempt_id()}); }
-  void carry_out(const ResumeFiller& d) {
-    take(d.id, d.cores);
-    happens(Resumed{table_.at(d.id).attempt_id(), d.cores});
-  }
+  void carry_out(const ResumeFiller& d) { happens(Resumed{table_.at(d.id).attempt_id(), d.cores}); }
+
+  const Resources& resources() const { return scheduler_.resources(); }
 
   /// The book of cores says what the table says: so no core is held twice or by nobody.
   void check_cores() const {
-    std::vector<TaskId> holder(static_cast<std::size_t>(resources_.n_cores()));
+    std::vector<TaskId> holder(static_cast<std::size_t>(resources().n_cores()));
     for (const TaskId id : table_.running) {
-      for (const int core : table_.at(id).last().pieces.back().cores) holder[static_cast<std::size_t>(core)] = id;
+      for (const int core : table_.at(id).last().pieces.back().cores.list())
+        holder[static_cast<std::size_t>(core)] = id;
     }
-    for (int core = 0; core < resources_.n_cores(); ++core) {
-      RC_ASSERT(resources_.holder(core) == holder[static_cast<std::size_t>(core)]);
+    for (int core = 0; core < resources().n_cores(); ++core) {
+      RC_ASSERT(resources().holder(core) == holder[static_cast<std::size_t>(core)]);
     }
   }
 
-  /// The first ready task waits only for other tasks, or for fillers that are being killed for it: on no node would
-  /// there be room for it without the fillers that go on running.
+  /// The first ready task that has no cores coming to it waits only for other tasks: on no node would there be room for
+  /// it if the fillers gave way.
   void check_no_ready_task_is_delayed_by_a_filler() const {
-    if (table_.ready.empty()) return;
-    const Task& first = table_.at(table_.ready.begin()->id);
-    bool killed_for_it = false, room_for_it = false;
-    for (int node = 0; node < resources_.n_nodes(); ++node) {
-      int leaving = 0, available = 0;
-      for (int core = resources_.first_core(node); core < resources_.end_core(node); ++core) {
-        const TaskId holder = resources_.holder(core);
-        const bool filler = holder != TaskId{} && table_.at(holder).spec.fill;
-        leaving += filler && table_.at(holder).ending == Ending::preempt;
-        available += holder == TaskId{} || (filler && table_.at(holder).ending == Ending::none);
-      }
-      killed_for_it = killed_for_it || (leaving > 0 && leaving + available >= first.spec.cores());
-      room_for_it = room_for_it || available >= first.spec.cores();
+    const Task* first = nullptr;
+    for (const Task& task : table_.tasks) {
+      if (task.state != TaskState::ready || task.spec.fill || task.spec.light) continue;
+      if (scheduler_.waits_for_fillers(task.id)) continue;
+      if (first == nullptr || task.spec.priority > first->spec.priority) first = &task;
     }
-    RC_ASSERT(killed_for_it || !room_for_it);
+    if (first == nullptr) return;
+    for (int node = 0; node < resources().n_nodes(); ++node) {
+      int available = 0;
+      for (int core = resources().first_core(node); core < resources().end_core(node); ++core) {
+        const TaskId holder = resources().holder(core);
+        const bool lent = holder != TaskId{} && table_.at(holder).spec.fill && table_.at(holder).ending == Ending::none;
+        available += (holder == TaskId{} || lent) && !resources().is_claimed(core);
+      }
+      RC_ASSERT(available < first->spec.cores());
+    }
   }
 
   Table table_;
-  Resources resources_;
+  Scheduler scheduler_;
   double time_ = 0.0;
 };
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "pilot/schedule/explain.hpp"
-#include "pilot/schedule/placement.hpp"
 #include "tests/unit/pilot/builders.hpp"
 
 namespace granary::pilot::testing {
@@ -17,34 +16,23 @@ using ::testing::IsEmpty;
 /// A life with cores: decisions are carried out as the pilot would.
 class Site : public Life {
  public:
-  Resources resources;
-  explicit Site(Machine machine) : resources(std::move(machine)) {}
+  Scheduler scheduler;
+  explicit Site(Machine machine) : scheduler(table, std::move(machine)) {}
 
-  std::vector<Decision> decide() {
-    const std::vector<Decision> decisions = schedule(table, resources);
+  std::vector<Decision> decide(double deadline = std::numeric_limits<double>::infinity()) {
+    const std::vector<Decision> decisions = scheduler.decide(time, deadline);
     for (const Decision& decision : decisions) std::visit([this](const auto& d) { carry_out(d); }, decision);
     return decisions;
   }
-  void ends(TaskId id, int code = 0) {
-    exit(id, code);
-    resources.release(id);
-  }
-  std::vector<int> cores(TaskId id) const { return table.at(id).last().pieces.back().cores; }
+  void ends(TaskId id, int code = 0) { exit(id, code); }
+  std::vector<int> cores(TaskId id) const { return table.at(id).last().pieces.back().cores.list(); }
+  int node_of(int core) const { return scheduler.resources().node_of(core); }
 
  private:
-  void carry_out(const StartTask& d) {
-    resources.take(table.at(d.id), d.cores);
-    place(d.id, d.cores);
-  }
-  void carry_out(const SuspendFiller& d) {
-    happens(Suspended{attempt(d.id)});
-    resources.release(d.id, true);
-  }
+  void carry_out(const StartTask& d) { place(d.id, d.cores.list()); }
+  void carry_out(const SuspendFiller& d) { happens(Suspended{attempt(d.id)}); }
   void carry_out(const KillFiller& d) { happens(Preempted{attempt(d.id)}); }
-  void carry_out(const ResumeFiller& d) {
-    resources.take(table.at(d.id), d.cores);
-    happens(Resumed{attempt(d.id), d.cores});
-  }
+  void carry_out(const ResumeFiller& d) { happens(Resumed{attempt(d.id), d.cores}); }
 };
 
 TEST(Scheduler, StartsNothingWhenNoCoreIsFree) {
@@ -220,9 +208,9 @@ TEST(Scheduler, SpreadsATaskOverAsFewNodesAsItCanOrOverAsManyAsAsked) {
 
   EXPECT_THAT(site.cores(a), ElementsAre(0, 1, 2, 3));
   EXPECT_EQ(site.cores(b).size(), 6u);
-  EXPECT_EQ(site.resources.node_of(site.cores(b)[0]), site.resources.node_of(site.cores(b)[2]));
-  EXPECT_NE(site.resources.node_of(site.cores(b)[2]), site.resources.node_of(site.cores(b)[3]));
-  EXPECT_NE(site.resources.node_of(site.cores(c)[0]), site.resources.node_of(site.cores(c)[1]));
+  EXPECT_EQ(site.node_of(site.cores(b)[0]), site.node_of(site.cores(b)[2]));
+  EXPECT_NE(site.node_of(site.cores(b)[2]), site.node_of(site.cores(b)[3]));
+  EXPECT_NE(site.node_of(site.cores(c)[0]), site.node_of(site.cores(c)[1]));
 }
 
 TEST(Scheduler, FillsSmallGapsOfANodeBeforeBreakingIntoAnEmptyOne) {
@@ -242,10 +230,10 @@ TEST(Explain, SaysWhatATaskWaitsFor) {
                c = site.submit(a_task("c"));
   const TaskId f = site.submit(a_task("f").fills());
   site.decide();
-  const auto why = [&](TaskId id) { return explain(site.table.at(id), site.table, site.resources, site.time, false); };
+  const auto why = [&](TaskId id) { return explain(site.table.at(id), site.table, site.scheduler, site.time, false); };
 
   EXPECT_THAT(why(b), HasSubstr("waits for \"a\" (running) to finish"));
-  EXPECT_THAT(why(c), HasSubstr("needs 1 core(s), 0 of 2 cores are free: \"a\" on 0,1"));
+  EXPECT_THAT(why(c), HasSubstr("needs 1 core(s), 0 of 2 cores are free: \"a\" on 0-1"));
   EXPECT_THAT(why(f), HasSubstr("a filler starts only when no other task (1 ready) wants the cores"));
   site.ends(a, 4);
   EXPECT_THAT(why(a), HasSubstr("failed: exit code 4"));

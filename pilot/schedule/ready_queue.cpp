@@ -1,0 +1,124 @@
+#include "pilot/schedule/ready_queue.hpp"
+
+#include <cmath>
+
+namespace granary::pilot {
+namespace {
+
+/// A turn as a number: the smaller, the earlier.
+std::uint64_t number_of(const Turn& turn) {
+  const auto later = static_cast<std::uint64_t>(std::int64_t{std::numeric_limits<int>::max()} - turn.priority);
+  return later << 31U | static_cast<std::uint64_t>(turn.id.value);
+}
+
+std::optional<TaskId> task_of(std::uint64_t number) {
+  if (number == MinTree::kNone) return std::nullopt;
+  return TaskId{static_cast<int>(number & 0x7fffffffU)};
+}
+
+Turn turn_of(const Task& task) { return {task.spec.priority, task.id}; }
+
+}  // namespace
+
+int ReadyQueue::bucket_of(double duration) {
+  if (duration <= 0.0) return kBuckets - 1;
+  int bucket = 0;
+  while (bucket < kBuckets - 1 && duration > longest_in(bucket)) ++bucket;
+  return bucket;
+}
+
+double ReadyQueue::longest_in(int bucket) { return std::ldexp(1.0, bucket - 4); }
+
+void ReadyQueue::insert(const Task& task, const Layout& layout) {
+  const Key key{layout, bucket_of(task.spec.duration()), task.spec.placement == Placement::spread};
+  auto [found, is_new] = groups_.try_emplace(key);
+  Group& group = found->second;
+  if (is_new) {
+    group.layout = layout;
+    group.bucket = key.bucket;
+    if (levels_.size() <= static_cast<std::size_t>(layout.small))
+      levels_.resize(static_cast<std::size_t>(layout.small) + 1);
+    levels_[static_cast<std::size_t>(layout.small)].groups[{key.bucket, layout.nodes}].push_back(&group);
+  }
+  group_of_[task.id.value] = &group;
+  all_.insert(turn_of(task));
+  group.tasks.insert(turn_of(task));
+  if (group.tasks.begin()->id == task.id) refresh(group);
+}
+
+void ReadyQueue::erase(const Task& task) {
+  const auto found = group_of_.find(task.id.value);
+  if (found == group_of_.end()) return;
+  Group& group = *found->second;
+  const bool was_first = group.tasks.begin()->id == task.id;
+  group.tasks.erase(turn_of(task));
+  all_.erase(turn_of(task));
+  group_of_.erase(found);
+  if (was_first) refresh(group);
+}
+
+/// Writes the first turn among the groups of the same cores, nodes and duration into the trees.
+void ReadyQueue::refresh(const Group& group) {
+  Level& level = levels_[static_cast<std::size_t>(group.layout.small)];
+  const int nodes = group.layout.nodes;
+  std::uint64_t first = MinTree::kNone;
+  for (const Group* other : level.groups[{group.bucket, nodes}]) {
+    if (!other->passed && !other->tasks.empty()) first = std::min(first, number_of(*other->tasks.begin()));
+  }
+  level.by_duration[static_cast<std::size_t>(group.bucket)].set(nodes, first);
+  std::uint64_t any = MinTree::kNone;
+  for (const MinTree& tree : level.by_duration) any = std::min(any, tree.at(nodes));
+  level.any.set(nodes, any);
+}
+
+std::optional<TaskId> ReadyQueue::first() const {
+  if (all_.empty()) return std::nullopt;
+  return all_.begin()->id;
+}
+
+std::optional<TaskId> ReadyQueue::first_fitting(const NodeIndex& nodes) const {
+  const std::vector<int>& at_least = nodes.at_least();
+  std::uint64_t first = MinTree::kNone;
+  for (std::size_t cores = 1; cores < std::min(levels_.size(), at_least.size()) && at_least[cores] > 0; ++cores)
+    first = std::min(first, levels_[cores].any.smallest_up_to(at_least[cores]));
+  return task_of(first);
+}
+
+std::optional<TaskId> ReadyQueue::first_fitting(const NodeIndex& nodes, double duration) const {
+  const std::vector<int>& at_least = nodes.at_least();
+  std::uint64_t first = MinTree::kNone;
+  for (std::size_t cores = 1; cores < std::min(levels_.size(), at_least.size()) && at_least[cores] > 0; ++cores) {
+    const Level& level = levels_[cores];
+    if (level.any.smallest_up_to(at_least[cores]) >= first) continue;
+    for (int bucket = 0; bucket < kBuckets - 1 && longest_in(bucket) <= duration; ++bucket)
+      first = std::min(first, level.by_duration[static_cast<std::size_t>(bucket)].smallest_up_to(at_least[cores]));
+  }
+  return task_of(first);
+}
+
+void ReadyQueue::pass_over(TaskId id, bool for_memory) {
+  Group& group = *group_of_.at(id.value);
+  group.passed = true;
+  (for_memory ? passed_for_memory_ : passed_).push_back(&group);
+  refresh(group);
+}
+
+void ReadyQueue::restore() {
+  for (Group* group : passed_) {
+    group->passed = false;
+    refresh(*group);
+  }
+  passed_.clear();
+}
+
+void ReadyQueue::restore_memory(const std::function<bool(const Layout&)>& could_fit) {
+  const auto restored = [&](Group* group) {
+    if (!could_fit(group->layout)) return false;
+    group->passed = false;
+    refresh(*group);
+    return true;
+  };
+  std::erase_if(passed_for_memory_, restored);
+}
+
+}  // namespace granary::pilot

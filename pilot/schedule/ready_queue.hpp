@@ -1,0 +1,75 @@
+// Ready tasks by turn, grouped by what decides where and how long they may run: finding the first that fits is O(log)
+// in their number, for a whole group fits or none of it does.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include "pilot/schedule/layout.hpp"
+#include "pilot/schedule/min_tree.hpp"
+#include "pilot/schedule/node_index.hpp"
+#include "pilot/task/table.hpp"
+
+namespace granary::pilot {
+
+class ReadyQueue {
+ public:
+  void insert(const Task& task, const Layout& layout);
+  void erase(const Task& task);
+  bool has(TaskId id) const { return group_of_.count(id.value) != 0; }
+  bool empty() const { return group_of_.empty(); }
+  const Layout& layout(TaskId id) const { return group_of_.at(id.value)->layout; }
+
+  /// The first in turn, passed over or not.
+  std::optional<TaskId> first() const;
+  /// The first in turn that is not passed over and for whose smaller share there are nodes enough. That its larger
+  /// share and its memory fit too is for the caller to find out.
+  std::optional<TaskId> first_fitting(const NodeIndex& nodes) const;
+  /// Likewise, of those that are known to take at most `duration` [s].
+  std::optional<TaskId> first_fitting(const NodeIndex& nodes, double duration) const;
+
+  /// Passes the task's group over, until restore(). If it is for want of memory alone: until restore_memory() is told
+  /// of a node that could help.
+  void pass_over(TaskId id, bool for_memory);
+  void restore();
+  void restore_memory(const std::function<bool(const Layout&)>& could_fit);
+
+ private:
+  // Durations by powers of 2 [s]: bucket b holds those up to 2^(b-4); the last one those that are unknown or longer.
+  static constexpr int kBuckets = 28;
+  struct Group {
+    Layout layout;
+    int bucket = 0;
+    std::set<Turn> tasks;
+    bool passed = false;
+  };
+  struct Key {
+    Layout layout;
+    int bucket = 0;
+    bool spread = false;
+    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr)
+  };
+  /// Groups by cores a node, then by duration and number of nodes: the first turn of each.
+  struct Level {
+    MinTree any;
+    std::array<MinTree, kBuckets> by_duration;
+    std::map<std::pair<int, int>, std::vector<Group*>> groups;  ///< by bucket and nodes
+  };
+
+  static int bucket_of(double duration);
+  static double longest_in(int bucket);
+  void refresh(const Group& group);
+
+  std::map<Key, Group> groups_;
+  std::unordered_map<int, Group*> group_of_;  ///< by task id
+  std::vector<Level> levels_;                 ///< by cores a node
+  std::set<Turn> all_;
+  std::vector<Group*> passed_, passed_for_memory_;
+};
+
+}  // namespace granary::pilot
