@@ -7,7 +7,7 @@
 namespace granary::dem {
 namespace {
 
-constexpr double kReach = 2.0;  // of the largest radius: who looked in vain need not look again for a while
+constexpr double kReach = 1.5;  // of the largest radius: who looked in vain need not look again for a while
 
 // Towards the centre; where the centre lies in the surface, the surface's own normal.
 SurfaceTouch touch_from(const Vector3& centre, const Vector3& point, double distance, const Vector3& own_normal,
@@ -149,8 +149,11 @@ double MeshSurface::touches(const Vector3& centre, double radius, Nearby& nearby
   const double clear = find_touching(centre, radius, nearby);
   if (near_.empty()) return clear;
 
-  std::sort(near_.begin(), near_.end(),
-            [](const Candidate& a, const Candidate& b) { return a.touch.distance < b.touch.distance; });
+  // Equal distances by number: the order in which they were found must not show.
+  std::sort(near_.begin(), near_.end(), [](const Candidate& a, const Candidate& b) {
+    const bool equal = a.touch.distance == b.touch.distance;
+    return equal ? a.touch.part < b.touch.part : a.touch.distance < b.touch.distance;
+  });
   found.push_back(near_[0].touch);
   for (std::size_t n = 1; n < near_.size(); ++n) {
     const Candidate& candidate = near_[n];

@@ -8,7 +8,7 @@
 namespace granary::dem {
 namespace {
 
-constexpr double kMostCells = 1e6;
+constexpr double kMostCells = 2e5;
 constexpr double kRoundDown = 1.0 - 1e-6;
 
 }  // namespace
@@ -60,7 +60,7 @@ void TriangleCells::list(std::span<const Triangle> triangles, double reach) {
     const Triangle& triangle = triangles[t];
     const Vector3 area = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
     const Vector3 normal = (1.0 / norm(area)) * area;
-    for_cells_near(triangle, reach, [&](std::size_t cell, const Vector3& at) {
+    for_cells_near(triangle, listed, [&](std::size_t cell, const Vector3& at) {
       if (std::abs(dot(at - triangle[0], normal)) > listed) return;  // most cells of a slanted triangle's box
       const double distance = norm(at - nearest_point(triangle, at));
       if (distance > listed) return;
