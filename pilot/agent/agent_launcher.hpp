@@ -1,5 +1,5 @@
 // Starts tasks on many nodes through their agents: a task goes to the agent of the node its first core is on. Which
-// nodes there are, and how agents come to be on them, is node_block's.
+// nodes there are, and how agents come to be on them, is node_block's; which agents are there, roster's.
 #pragma once
 
 #include <filesystem>
@@ -17,16 +17,15 @@ namespace granary::pilot {
 
 /// What is to be told when a node goes or comes. Called from the loop.
 struct NodeWatcher {
-  std::function<void(int node, const std::string& reason)> lost;
-  std::function<void(int node)> back;
-  std::function<void(int node)> missing;  ///< its agent is gone: it may be started anew, before the node counts as lost
+  /// Of what ran there alone `ended` is not called any more; of what ran on other nodes too it is.
+  std::function<void(int node, const std::string& reason)> lost = [](int, const std::string&) {};
+  std::function<void(int node)> back = [](int) {};
+  std::function<void(int node)> missing = [](int) {};  ///< its agent is gone: it may be started anew
 };
 
 class AgentLauncher final : public Launcher {
  public:
-  /// Listens for agents, and for those who ask the pilot from another host; writes DIR/endpoint.json.
-  /// `machine`: nodes by name with their numbers of cores; which ones these are the agents tell (machine()).
-  /// `address`: this host's, to listen on and to be called at. `loop` must outlive the launcher.
+  /// As Roster::listen().
   static Result<std::unique_ptr<AgentLauncher>> listen(RealLoop& loop, const std::filesystem::path& dir,
                                                        Machine machine, const std::string& address);
   ~AgentLauncher() override;  ///< dismisses the agents: they end what still runs

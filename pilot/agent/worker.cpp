@@ -56,7 +56,7 @@ class Worker {
     if (wanted == "serve") return serve(message);
     if (!launcher_) return;
     if (wanted == "start") return start(message);
-    if (wanted == "clean") return clean(message.text_or("mark", ""), message.integer_or("ticket", 0), kCleanLooks);
+    if (wanted == "clean") return clean(message.text_or("mark", ""), message["id"], kCleanLooks);
     if (wanted == "signal_marked")
       return signal_marked(message.text_or("mark", "?"), static_cast<int>(message.integer_or("signal", 0)));
     const auto attempt = attempt_from_json(message["id"]);
@@ -104,11 +104,11 @@ class Worker {
   }
 
   /// Ends what an attempt of another node has here, and says when it is gone.
-  void clean(const std::string& mark, std::int64_t ticket, int looks_left) {
+  void clean(const std::string& mark, const json::Value& id, int looks_left) {
     const std::vector<int> pids = marked_processes(mark);
-    if (pids.empty() || looks_left == 0) return say("cleaned", json::Value::object({{"ticket", ticket}}));
+    if (pids.empty() || looks_left == 0) return say("cleaned", json::Value::object({{"id", id}}));
     for (const int pid : pids) ::kill(pid, SIGKILL);
-    loop_.after(kCleanPause, [this, mark, ticket, looks_left] { clean(mark, ticket, looks_left - 1); });
+    loop_.after(kCleanPause, [this, mark, id, looks_left] { clean(mark, id, looks_left - 1); });
   }
 
   static constexpr int kCleanLooks = 400;

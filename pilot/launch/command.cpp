@@ -93,6 +93,12 @@ std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std
     // Inside a step of Slurm, mpirun would take the whole job for its machine and find it full.
     if (!variable(env, "SLURM_JOB_ID").empty())
       argv.insert(argv.end(), {"--mca", "ras", "^slurm", "--mca", "plm", "isolated"});
+  } else {
+    // Only these: mpirun would start a daemon on every node of the job, and wait long for one that is dead.
+    std::string hosts;
+    for (const HostCores& one : launch.hosts)
+      hosts += fmt::format("{}{}:{}", hosts.empty() ? "" : ",", one.host, one.cpus.size());
+    argv.insert(argv.end(), {"--host", hosts});
   }
   if (launch.cores.size() < static_cast<std::size_t>(launch.spec.ranks) && launch.hosts.empty()) {
     argv.insert(argv.end(),
