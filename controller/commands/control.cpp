@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
+#include "controller/commands/slurm_queue.hpp"
 #include "controller/coupling/update.hpp"
 #include "controller/report/report.hpp"
 #include "controller/run/file_handover.hpp"
@@ -25,6 +27,7 @@ struct Past {
   pilot::Journal journal = pilot::Journal::in_memory();
   pilot::SimulatedLauncher launcher{loop, [](const pilot::TaskSpec&) { return pilot::SimulatedRun{}; }};
   std::unique_ptr<pilot::Pilot> pilot;
+  campaign::Campaign campaign;
   coupling::State coupling;
 };
 
@@ -32,8 +35,9 @@ Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
   if (!fs::exists(dir / "journal.jsonl"))
     return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
   GRANARY_TRY(const auto content, pilot::read_journal(dir / "journal.jsonl"));
-  GRANARY_TRY(const auto campaign, campaign::read_written_campaign(dir / "campaign.json"));
   auto past = std::make_unique<Past>();
+  GRANARY_TRY(past->campaign, campaign::read_written_campaign(dir / "campaign.json"));
+  const campaign::Campaign& campaign = past->campaign;
   const auto settings = run::coupling_settings(campaign);
   for (const pilot::Record& record : content.records) {
     GRANARY_CHECK(past->journal.append(record.kind, record.payload));
@@ -44,6 +48,25 @@ Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
   const auto machine = pilot::stated_machine(campaign.resources.nodes, campaign.resources.cores.value_or(1024));
   GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));
   return past;
+}
+
+/// Whether a campaign that nobody works on has anything left to do.
+bool can_go_on(const json::Value& status) {
+  const json::Value& coupling = status["coupling"];
+  if (coupling.is_object()) {
+    const std::string ended = coupling.text_or("ended", "");
+    return ended.empty() || ended == "stopped";
+  }
+  const auto& counts = status["counts"].members_or_none();
+  return counts.empty() || std::any_of(counts.begin(), counts.end(), [](const json::Member& state) {
+           return state.first != "finished" && state.first != "failed";
+         });
+}
+
+std::string how_to_go_on(const fs::path& dir) {
+  const auto campaign = campaign::read_written_campaign(dir / "campaign.json");
+  const bool slurm = campaign && campaign->resources.backend == campaign::Resources::Backend::slurm;
+  return fmt::format("granary {} {}", slurm ? "submit" : "resume", dir.string());
 }
 
 }  // namespace
@@ -65,19 +88,28 @@ Result<Exit> validate(const std::vector<fs::path>& workflows, const std::vector<
 Result<Exit> status(const fs::path& dir, bool json) {
   const bool alive = pilot::pilot_is_alive(dir);
   json::Value status;
-  if (alive) {
+  if (!alive && fs::exists(dir / "campaign.json") && !fs::exists(dir / "journal.jsonl")) {
+    status = json::Value::object({{"counts", json::Value::object()}});  // submitted, and not begun
+  } else if (alive) {
     GRANARY_TRY(status, pilot::ask_pilot(dir, json::Value::object({{"ask", "status"}})));
   } else {
     GRANARY_TRY(const auto past, past_of(dir));
     status = past->pilot->status();
-    status.set("coupling", coupling::to_json(past->coupling));
+    if (past->campaign.kind == campaign::Kind::coupled) status.set("coupling", coupling::to_json(past->coupling));
   }
   status.set("alive", alive);
+  json::Value jobs = json::Value::array();
+  for (const QueuedJob& job : queued_jobs(dir))
+    jobs.push(json::Value::object({{"job", job.id}, {"state", job.state}, {"reason", job.reason}}));
+  if (jobs.size() > 0) status.set("jobs", jobs);
   if (json) {
     fmt::print("{}\n", json::dump(status, 1));
     return Exit::ok;
   }
   fmt::print("{}: {}\n", dir.string(), alive ? "running" : "no pilot is alive here");
+  for (const json::Value& job : jobs.items())
+    fmt::print("  job {} of Slurm: {} ({})\n", job.text_or("job", ""), job.text_or("state", ""),
+               job.text_or("reason", ""));
   for (const auto& [state, count] : status["counts"].members_or_none())
     fmt::print("  {:<10} {}\n", state, count.as_integer());
   if (alive)
@@ -91,16 +123,24 @@ Result<Exit> status(const fs::path& dir, bool json) {
     fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""),
                coupling.text_or("burst", ""), coupling.number_or("process_clock_s", 0.0),
                coupling.number_or("dem_clock_s", 0.0));
-  const std::string ended = coupling.text_or("ended", "");
-  if (!alive && (ended.empty() || ended == "stopped")) fmt::print("  go on with: granary resume {}\n", dir.string());
+  if (!alive && jobs.size() == 0 && can_go_on(status)) fmt::print("  go on with: {}\n", how_to_go_on(dir));
   return Exit::ok;
 }
 
 Result<Exit> stop(const fs::path& dir) {
+  const bool alive = pilot::pilot_is_alive(dir);
+  // A job that waits would go on where this one stops.
+  bool any = false;
+  for (const QueuedJob& job : queued_jobs(dir)) {
+    if (job.state != "PENDING") continue;
+    GRANARY_CHECK(cancel_job(job.id));
+    fmt::print("{}: job {} was taken out of Slurm's queue\n", dir.string(), job.id);
+    any = true;
+  }
+  if (any && !alive) return Exit::ok;
   GRANARY_TRY(const auto answer,
               pilot::ask_pilot(dir, json::Value::object({{"ask", "stop"}, {"reason", "stopped by the user"}})));
-  fmt::print("{}: stopping; its tasks end gracefully. Go on later with: granary resume {}\n", dir.string(),
-             dir.string());
+  fmt::print("{}: stopping; its tasks end gracefully. Go on later with: {}\n", dir.string(), how_to_go_on(dir));
   return Exit::ok;
 }
 
