@@ -12,6 +12,7 @@
 #include "common/json/problems.hpp"
 #include "common/log.hpp"
 #include "common/version.hpp"
+#include "pilot/journal/text.hpp"
 #include "pilot/schedule/check_tasks.hpp"
 #include "pilot/schedule/explain.hpp"
 #include "pilot/schedule/scheduler.hpp"
@@ -56,7 +57,9 @@ struct Pilot::State {
   double deadline = std::numeric_limits<double>::infinity();  ///< pilot time of the allocation's end [s]
   bool stopping = false;
   std::string stop_reason;
-  bool schedule_posted = false;
+  bool turn_posted = false;
+  std::vector<Action> todo;  ///< once the journal has what led to it
+  std::string text;          ///< of the record being written
   bool idle_told = true;
   bool sync_set = false;
   std::optional<Error> failure;
@@ -77,43 +80,64 @@ struct Pilot::State {
   }
 
   // --- events: journal, then update, then act ---
+  // One turn of the loop takes up what has happened, decides, writes all of that with one write, and only then acts.
 
-  Status record(const std::string& kind, const json::Value& payload) {
-    Status written = journal.append(kind, payload);
-    if (!written) {
-      fail(written.error());
-    } else if (!journal.healthy()) {
-      fail(journal.healthy().error());
-    }
+  void record(const std::string& kind, const json::Value& payload) {
+    text.clear();
+    append_json(text, payload);
+    journal.add(kind, text);
+    turn_soon();
+  }
+
+  /// Both what we decide to do and what has happened in the world; what follows from it is done by the turn, once it is
+  /// written.
+  void happens(const Event& event) {
+    record(kind_of(event), to_json(event));
+    for (Action& action : update(table, event)) todo.push_back(std::move(action));
+  }
+
+  /// Error: the journal could not take it, or will not take much more.
+  Status flush() {
+    const Status written = journal.flush();
+    if (!written) fail(written.error());
+    if (written && !journal.healthy()) fail(journal.healthy().error());
     if (journal.dirty() && !sync_set) {
       sync_set = true;
       loop.after(kSyncEvery, [this, watch = std::weak_ptr<bool>(alive)] {
         if (watch.expired()) return;
         sync_set = false;
+        (void)flush();
         if (const Status synced = journal.sync(); !synced) fail(synced.error());
       });
     }
     return written;
   }
 
-  /// What we decide to do is not done unless it is recorded.
-  Status decide(const Event& event) {
-    GRANARY_CHECK(record(kind_of(event), to_json(event)));
-    apply(event);
-    return {};
+  void turn_soon() {
+    if (turn_posted) return;
+    turn_posted = true;
+    post(&State::turn);
   }
 
-  /// What has happened in the world has happened, recorded or not.
-  void observe(const Event& event) {
-    (void)record(kind_of(event), to_json(event));
-    apply(event);
-  }
-
-  void apply(const Event& event) {
-    for (const Action& action : update(table, event)) {
-      std::visit([this](const auto& what) { act(what); }, action);
+  void turn() {
+    if (!stopping) {
+      for (const Decision& decision : scheduler.decide(now(), deadline))
+        std::visit([this](const auto& what) { carry_out(what); }, decision);
+      end_early_if_nothing_fits();
     }
-    schedule_soon();
+    const bool written = flush().has_value();
+    turn_posted = false;  // what the actions bring about is for the next turn
+    for (const Action& action : std::exchange(todo, {})) {
+      if (const auto* spawn = std::get_if<Spawn>(&action); spawn != nullptr && !written) {
+        happens({now(), Lost{spawn->attempt, "it was not started: the journal cannot be written"}});
+      } else {
+        std::visit([this](const auto& what) { act(what); }, action);
+      }
+    }
+    if (idle() && !idle_told) {
+      idle_told = true;
+      post(&State::tell_idle);
+    }
   }
 
   // --- actions ---
@@ -143,21 +167,21 @@ struct Pilot::State {
   void act(const Spawn& spawn) {
     const Task& task = table.at(spawn.attempt.task);
     if (const Status kept = keep_earlier_attempt(task); !kept) {
-      return observe({now(), StartFailed{spawn.attempt, kept.error().message}});
+      return happens({now(), StartFailed{spawn.attempt, kept.error().message}});
     }
     const auto started = launcher.start(
         launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
     if (started) {
-      observe({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
+      happens({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
     } else {
-      observe({now(), StartFailed{spawn.attempt, started.error().message}});
+      happens({now(), StartFailed{spawn.attempt, started.error().message}});
     }
   }
 
   void run_ended(AttemptId attempt, const RunEnd& end) {
-    if (!end.lost.empty()) return observe({now(), Lost{attempt, end.lost}});
-    if (!end.not_started.empty()) return observe({now(), StartFailed{attempt, end.not_started}});
-    observe({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
+    if (!end.lost.empty()) return happens({now(), Lost{attempt, end.lost}});
+    if (!end.not_started.empty()) return happens({now(), StartFailed{attempt, end.not_started}});
+    happens({now(), Exited{attempt, end.exit_code, end.signal, end.cpu_s, end.missing}});
   }
 
   Status keep_earlier_attempt(const Task& task) {
@@ -178,9 +202,9 @@ struct Pilot::State {
     timer = loop.after(set.after, [this, set, watch = std::weak_ptr<bool>(alive)] {
       if (watch.expired()) return;
       if (set.alarm == Alarm::timeout) {
-        observe({now(), TimedOut{set.attempt}});
+        happens({now(), TimedOut{set.attempt}});
       } else {
-        observe({now(), GraceOver{set.attempt}});
+        happens({now(), GraceOver{set.attempt}});
       }
     });
   }
@@ -204,27 +228,6 @@ struct Pilot::State {
 
   // --- scheduling ---
 
-  void schedule_soon() {
-    if (schedule_posted) return;
-    schedule_posted = true;
-    post(&State::schedule_now);
-  }
-
-  void schedule_now() {
-    schedule_posted = false;
-    if (!stopping) {
-      const std::vector<Decision> decisions = scheduler.decide(now(), deadline);
-      for (const Decision& decision : decisions) {
-        if (stopping || !std::visit([this](const auto& what) { return carry_out(what); }, decision)) break;
-      }
-      end_early_if_nothing_fits();
-    }
-    if (idle() && !idle_told) {
-      idle_told = true;
-      post(&State::tell_idle);
-    }
-  }
-
   /// When nothing runs and what is ready would run beyond the allocation's end, waiting for it helps nobody.
   void end_early_if_nothing_fits() {
     if (stopping || !table.running.empty() || !table.suspended.empty() || !scheduler.only_late_ones_left()) return;
@@ -244,15 +247,13 @@ struct Pilot::State {
     for (std::size_t k = 0; k < idle_callbacks.size() && !watch.expired(); ++k) idle_callbacks[k]();
   }
 
-  Status carry_out(const StartTask& start) {
-    return decide({now(), Placed{{start.id, table.at(start.id).attempt_id().number + 1}, start.cores}});
+  void carry_out(const StartTask& start) {
+    happens({now(), Placed{{start.id, table.at(start.id).attempt_id().number + 1}, start.cores}});
   }
-  Status carry_out(const SuspendFiller& suspend) {
-    return decide({now(), Suspended{table.at(suspend.id).attempt_id()}});
-  }
-  Status carry_out(const KillFiller& kill) { return decide({now(), Preempted{table.at(kill.id).attempt_id()}}); }
-  Status carry_out(const ResumeFiller& resume) {
-    return decide({now(), Resumed{table.at(resume.id).attempt_id(), resume.cores}});
+  void carry_out(const SuspendFiller& suspend) { happens({now(), Suspended{table.at(suspend.id).attempt_id()}}); }
+  void carry_out(const KillFiller& kill) { happens({now(), Preempted{table.at(kill.id).attempt_id()}}); }
+  void carry_out(const ResumeFiller& resume) {
+    happens({now(), Resumed{table.at(resume.id).attempt_id(), resume.cores}});
   }
 
   bool idle() const {
@@ -277,28 +278,27 @@ struct Pilot::State {
   void lose_node(int node, const std::string& reason) {
     if (node < 0 || node >= scheduler.resources().n_nodes() || !scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
-    (void)record("node.lost",
-                 json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}, {"reason", reason}}));
+    record("node.lost", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}, {"reason", reason}}));
     scheduler.lose_node(node);
     const std::string why = fmt::format("node {} was lost: {}", name, reason);
     for (const auto& [attempt, elsewhere] : attempts_on(node)) {
       const Ending ending = table.at(attempt.task).ending;
       if (elsewhere && ending != Ending::stop && ending != Ending::stop_resumable) {
-        observe({now(), Abandoned{attempt, why}});
+        happens({now(), Abandoned{attempt, why}});
       } else {
         launcher.kill(attempt);
-        observe({now(), Lost{attempt, why}});
+        happens({now(), Lost{attempt, why}});
       }
     }
-    schedule_soon();
+    turn_soon();
   }
 
   void regain_node(int node) {
     if (node < 0 || node >= scheduler.resources().n_nodes() || scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
-    (void)record("node.back", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}}));
+    record("node.back", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}}));
     scheduler.regain_node(node);
-    schedule_soon();
+    turn_soon();
   }
 
   // --- stopping ---
@@ -315,9 +315,9 @@ struct Pilot::State {
   }
 
   void stop_active() {
-    for (const TaskId id : active_tasks()) observe({now(), StopAsked{id, stop_reason, true}});
+    for (const TaskId id : active_tasks()) happens({now(), StopAsked{id, stop_reason, true}});
     idle_told = false;
-    schedule_soon();
+    turn_soon();
   }
 
   std::vector<TaskId> active_tasks() const {
@@ -328,21 +328,27 @@ struct Pilot::State {
 
   // --- the beginning ---
 
+  Status replay(const Line& line) {
+    const bool of_task = line.kind.starts_with("task.");
+    if (!of_task && !line.kind.starts_with("pilot.")) return {};
+    const auto broken = [&](const std::string& what) {
+      return Error{fmt::format("journal.jsonl: record {} ({}): {}", line.sequence, line.kind, what)};
+    };
+    const auto payload = parse_json(line.payload);
+    if (!payload) return broken("its payload is not JSON");
+    if (line.kind == "pilot.open" && run_id.empty()) run_id = payload->text_or("run_id", "");
+    time_base = std::max(time_base, payload->number_or("time_s", 0.0));
+    if (!of_task) return {};
+    const auto event = event_from_json(std::string(line.kind), *payload);
+    if (!event) return broken(event.error().message);
+    if (!belongs_here(*event, TaskId{static_cast<int>(payload->integer_or("id", -1))}))
+      return broken("tells of a task that no earlier record submitted; somebody put this file together from others");
+    (void)update(table, *event);
+    return {};
+  }
+
   Status replay() {
-    for (const Record& record : journal.records()) {
-      if (record.kind == "pilot.open" && run_id.empty()) run_id = record.payload.text_or("run_id", "");
-      time_base = std::max(time_base, record.payload.number_or("time_s", 0.0));
-      if (!record.kind.starts_with("task.")) continue;
-      const auto event = event_from_json(record.kind, record.payload);
-      if (!event) return Error{fmt::format("journal.jsonl: record {}: {}", record.sequence, event.error().message)};
-      if (!belongs_here(*event, record)) {
-        return Error{
-            fmt::format("journal.jsonl: record {} ({}) tells of a task that no earlier record submitted; "
-                        "somebody put this file together from others",
-                        record.sequence, record.kind)};
-      }
-      (void)update(table, *event);
-    }
+    GRANARY_CHECK(journal.for_each([this](const Line& line) { return replay(line); }));
     for (const Task& task : table.tasks) {
       ++folders[folder_of(task.spec)];
       if (has_ended(task.state) && !task.resumable) continue;
@@ -353,8 +359,7 @@ struct Pilot::State {
     return {};
   }
 
-  bool belongs_here(const Event& event, const Record& record) const {
-    const TaskId id{static_cast<int>(record.payload.integer_or("id", -1))};
+  bool belongs_here(const Event& event, TaskId id) const {
     const auto* submitted = std::get_if<Submitted>(&event.what);
     if (submitted == nullptr) return table.has(id);
     const auto is_known = [this](const std::string& name) { return table.find(name) != nullptr; };
@@ -363,37 +368,36 @@ struct Pilot::State {
   }
 
   Status begin() {
-    const bool is_new = journal.records().empty();
+    const bool is_new = journal.n_records() == 0;
     if (run_id.empty()) run_id = new_run_id();
     json::Value nodes = json::Value::array();
     for (const Node& node : options.machine.nodes) {
       nodes.push(json::Value::object({{"name", node.name}, {"cores", node.cpus.size()}}));
     }
-    GRANARY_CHECK(record("pilot.open", json::Value::object({{"time_s", now()},
-                                                            {"run_id", run_id},
-                                                            {"pid", static_cast<int>(getpid())},
-                                                            {"version", version()},
-                                                            {"nodes", std::move(nodes)}})));
-    if (!is_new) GRANARY_CHECK(take_up());
-    return {};
+    record("pilot.open", json::Value::object({{"time_s", now()},
+                                              {"run_id", run_id},
+                                              {"pid", static_cast<int>(getpid())},
+                                              {"version", version()},
+                                              {"nodes", std::move(nodes)}}));
+    if (!is_new) take_up();
+    GRANARY_CHECK(flush());
+    return journal.healthy();
   }
 
   /// Ends the orphans of the last pilot and queues their tasks again, and those that it had stopped itself.
-  Status take_up() {
+  void take_up() {
     for (const TaskId id : active_tasks()) {
       const Task& task = table.at(id);
       const bool was_alive =
           launcher.end_orphan({task.last().pid, task.last().start_ticks}, mark_of(task.attempt_id()));
-      GRANARY_CHECK(
-          decide({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
-                                                           : "the pilot died, and the task with it"}}));
+      happens({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
+                                                        : "the pilot died, and the task with it"}});
     }
     for (std::size_t k = 0; k < table.tasks.size(); ++k) {
-      if (table.tasks[k].resumable) GRANARY_CHECK(decide({now(), Reopened{table.tasks[k].id}}));
+      if (table.tasks[k].resumable) happens({now(), Reopened{table.tasks[k].id}});
     }
+    todo.clear();  // what ended in an earlier life was told there
     idle_told = false;
-    schedule_soon();
-    return {};
   }
 };
 
@@ -436,7 +440,7 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
   const TaskId id{static_cast<int>(state.table.tasks.size())};
   ++state.folders[state.folder_of(spec)];
   state.idle_told = false;
-  GRANARY_CHECK(state.decide({now(), Submitted{id, std::move(spec)}}));
+  state.happens({now(), Submitted{id, std::move(spec)}});
   return id;
 }
 
@@ -445,11 +449,11 @@ void Pilot::regain_node(int node) { state_->regain_node(node); }
 
 void Pilot::deadline(double wall_time) {
   state_->deadline = now() + wall_time - state_->loop.wall_time();
-  state_->schedule_soon();
+  state_->turn_soon();
 }
 
 void Pilot::stop(TaskId id, const std::string& reason) {
-  if (state_->table.has(id) && !has_ended(state(id))) state_->observe({now(), StopAsked{id, reason, false}});
+  if (state_->table.has(id) && !has_ended(state(id))) state_->happens({now(), StopAsked{id, reason, false}});
 }
 
 void Pilot::stop_all(const std::string& reason) {
@@ -520,6 +524,9 @@ json::Value Pilot::answer_submit(const json::Value& task) {
   if (stopping()) return json::Value::object({{"error", "the pilot is stopping; it takes no tasks any more"}});
   const std::string name = spec.name;
   const auto id = submit(std::move(spec));
+  // Whoever asked is told once it cannot be lost any more.
+  if (const Status written = state_->flush(); !written)
+    return json::Value::object({{"error", written.error().message}});
   if (!id) return json::Value::object({{"error", id.error().message}});
   return json::Value::object({{"submitted", name}, {"id", id->value}});
 }

@@ -34,14 +34,13 @@ struct Past {
 Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
   if (!fs::exists(dir / "journal.jsonl"))
     return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
-  GRANARY_TRY(const auto content, pilot::read_journal(dir / "journal.jsonl"));
+  GRANARY_TRY(pilot::Journal journal, pilot::Journal::copy_of(dir / "journal.jsonl"));
   auto past = std::make_unique<Past>();
   GRANARY_TRY(past->campaign, campaign::read_written_campaign(dir / "campaign.json"));
   const campaign::Campaign& campaign = past->campaign;
   const auto settings = run::coupling_settings(campaign);
-  for (const pilot::Record& record : content.records) {
-    GRANARY_CHECK(past->journal.append(record.kind, record.payload));
-    if (record.kind != "coupling.event") continue;
+  past->journal = std::move(journal);
+  for (const pilot::Record& record : past->journal.records("coupling.event")) {
     GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
     past->coupling = coupling::update(past->coupling, event, settings).next;
   }

@@ -24,7 +24,7 @@ using campaign::Campaign;
 namespace {
 
 double first_wall_time(const pilot::Journal& journal, double otherwise) {
-  return journal.records().empty() ? otherwise : journal.records().front().wall_time;
+  return journal.first_wall_time().value_or(otherwise);
 }
 
 /// Every program the campaign will need, before anything is started: all that are missing at once.

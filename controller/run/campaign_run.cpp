@@ -25,8 +25,7 @@ CampaignRun::CampaignRun(Settings settings, Handover& handover, pilot::Pilot& pi
 
 Status CampaignRun::begin() {
   bool begun = false;
-  for (const pilot::Record& record : journal_.records()) {
-    if (record.kind != kEvent) continue;
+  for (const pilot::Record& record : journal_.records(kEvent)) {
     GRANARY_TRY(const Event event, event_from_json(record.payload));
     state_ = update(state_, event, settings_).next;
     begun = true;

@@ -8,62 +8,23 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <optional>
 #include <utility>
 
-#include "common/files.hpp"
-#include "common/json/io.hpp"
+#include "pilot/journal/text.hpp"
 
 namespace granary::pilot {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::uint64_t kReserveStep = 256 * 1024;  ///< asked of the file system at a time [bytes]
 constexpr std::uint64_t kReserveLow =
     64 * 1024;  ///< below this it is asked again: room for the last words of many tasks
+/// More is written out at once, so that a flush always fits into the reserve [bytes].
+constexpr std::size_t kLargestBuffer = 32 * 1024;
+constexpr std::size_t kReadAtOnce = 1024 * 1024;
 
-// A line is BODY,"sum":"0123456789abcdef"} where BODY is the object without its closing brace.
-constexpr std::string_view kSumOpens = ",\"sum\":\"";
-constexpr std::size_t kSumDigits = 16;
-constexpr std::size_t kSumLength = kSumOpens.size() + kSumDigits + 2;
-
-std::string line_of(std::uint64_t sequence, double wall_time, const std::string& kind, const json::Value& payload) {
-  std::string line = fmt::format(R"({{"n":{},"wall_s":{:.6f},"kind":{},"payload":{})", sequence, wall_time,
-                                 json::dump(json::Value(kind)), json::dump(payload));
-  line += fmt::format("{}{}\"}}", kSumOpens, fingerprint(line));
-  return line;
-}
-
-/// Whether the line (without its newline) ends with the right checksum of what is before it.
-bool has_good_sum(std::string_view line) {
-  if (line.size() <= kSumLength) return false;
-  const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
-  return sum.starts_with(kSumOpens) && sum.ends_with("\"}") &&
-         sum.substr(kSumOpens.size(), kSumDigits) == fingerprint(body);
-}
-
-/// The record of a line without its newline; nothing if the line is damaged or out of sequence.
-std::optional<Record> record_of(std::string_view line, std::uint64_t expected_sequence) {
-  if (!has_good_sum(line)) return std::nullopt;
-  auto value = json::parse(std::string(line.substr(0, line.size() - kSumLength)) + "}", "journal");
-  if (!value) return std::nullopt;
-  Record record;
-  record.sequence = static_cast<std::uint64_t>(value->integer_or("n", 0));
-  if (record.sequence != expected_sequence) return std::nullopt;
-  record.wall_time = value->number_or("wall_s", 0.0);
-  record.kind = value->text_or("kind", "");
-  if (json::Value* payload = value->find("payload")) record.payload = std::move(*payload);
-  return record;
-}
-
-/// Whether any whole line from `begin` on carries its right checksum, whatever its number.
-bool any_good_line(std::string_view text, std::size_t begin) {
-  for (std::size_t end; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
-    if (has_good_sum(text.substr(begin, end - begin))) return true;
-  }
-  return false;
-}
-
-Error write_error(const std::filesystem::path& file, int code) {
+Error write_error(const fs::path& file, int code) {
   if (code == ENOSPC || code == EDQUOT) {
     return {
         fmt::format(
@@ -78,72 +39,167 @@ double system_wall_clock() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+/// The whole lines of a file, one after the other.
+class Lines {
+ public:
+  static Result<Lines> of(const fs::path& file) {
+    Lines lines;
+    lines.file_ = file;
+    lines.fd_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status = {};
+    // A device such as /dev/full stands for a disk in tests; it holds nothing.
+    if (lines.fd_ >= 0 && fstat(lines.fd_, &status) == 0 && !S_ISREG(status.st_mode)) lines.at_end_ = true;
+    if (lines.fd_ < 0 && errno == ENOENT) lines.at_end_ = true;
+    if (lines.fd_ < 0 && !lines.at_end_) return lines.read_error();
+    return lines;
+  }
+  Lines(Lines&& other) noexcept { *this = std::move(other); }
+  Lines& operator=(Lines&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    file_ = std::move(other.file_);
+    buffer_ = std::move(other.buffer_);
+    used_ = other.used_;
+    at_end_ = other.at_end_;
+    return *this;
+  }
+  ~Lines() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+
+  /// The next one without its newline, valid until the next call; nothing at the end.
+  Result<std::optional<std::string_view>> next() {
+    for (std::size_t search = used_;;) {
+      const std::size_t end = buffer_.find('\n', search);
+      if (end != std::string::npos) {
+        const std::string_view line = std::string_view(buffer_).substr(used_, end - used_);
+        used_ = end + 1;
+        return std::optional(line);
+      }
+      if (at_end_) return std::optional<std::string_view>();
+      buffer_.erase(0, std::exchange(used_, 0));
+      search = buffer_.size();
+      buffer_.resize(search + kReadAtOnce);
+      const ssize_t n = ::read(fd_, buffer_.data() + search, kReadAtOnce);
+      if (n < 0 && errno != EINTR) return read_error();
+      buffer_.resize(search + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+      at_end_ = n == 0;
+    }
+  }
+  /// Bytes of a last line without newline, once next() has given nothing.
+  std::size_t rest() const { return buffer_.size() - used_; }
+
+ private:
+  Lines() = default;
+  Error read_error() const { return {fmt::format("{}: cannot be read: {}", file_.string(), std::strerror(errno))}; }
+
+  int fd_ = -1;
+  fs::path file_;
+  std::string buffer_;
+  std::size_t used_ = 0;
+  bool at_end_ = false;
+};
+
+struct Extent {
+  std::uint64_t whole_bytes = 0, records = 0;
+  std::size_t dropped_bytes = 0;
+};
+
+/// Goes through the whole records of a file; what damage there is, is told or refused.
+Result<Extent> scan(const fs::path& file, const std::function<Status(const Line&)>& fn) {
+  GRANARY_TRY(Lines lines, Lines::of(file));
+  Extent extent;
+  bool damaged = false;
+  while (true) {
+    GRANARY_TRY(const auto text, lines.next());
+    if (!text) break;
+    const bool good = has_good_sum(*text);
+    const auto line = good ? read_line(*text) : std::nullopt;
+    if (damaged ? good : good && (!line || line->sequence != extent.records + 1)) {
+      return Error{fmt::format(
+          "{}: line {} is damaged or missing, but good ones follow: this is no torn tail, somebody changed the file. "
+          "Restore it from a copy, or start anew in another folder (--dir).",
+          file.string(), extent.records + 1)};
+    }
+    damaged = damaged || !good;
+    if (damaged) {
+      extent.dropped_bytes += text->size() + 1;
+      continue;
+    }
+    GRANARY_CHECK(fn(*line));
+    ++extent.records;
+    extent.whole_bytes += text->size() + 1;
+  }
+  extent.dropped_bytes += lines.rest();
+  return extent;
+}
+
+Record record_of(const Line& line) {
+  return {line.sequence, line.wall_time, std::string(line.kind), parse_json(line.payload).value_or(json::Value())};
+}
+
 }  // namespace
 
-Result<JournalContent> read_journal(const std::filesystem::path& file) {
+Result<JournalContent> read_journal(const fs::path& file) {
   JournalContent content;
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) return content;
-  // A device such as /dev/full stands for a disk in tests; it holds nothing.
-  if (!std::filesystem::is_regular_file(file, ignored)) return content;
-  GRANARY_TRY(const std::string text, read_text(file));
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = text.find('\n', begin);
-    if (end == std::string::npos) break;
-    auto record = record_of(std::string_view(text).substr(begin, end - begin), content.records.size() + 1);
-    if (!record) {
-      if (any_good_line(text, begin)) {
-        return Error{fmt::format(
-            "{}: line {} is damaged or missing, but good ones follow: this is no torn tail, somebody changed the file. "
-            "Restore it from a copy, or start anew in another folder (--dir).",
-            file.string(), content.records.size() + 1)};
-      }
-      break;
-    }
-    content.records.push_back(std::move(*record));
-    begin = end + 1;
-  }
-  content.whole_bytes = begin;
-  content.dropped_bytes = text.size() - begin;
+  GRANARY_TRY(const Extent extent, scan(file, [&](const Line& line) {
+                content.records.push_back(record_of(line));
+                return Status();
+              }));
+  content.whole_bytes = extent.whole_bytes;
+  content.dropped_bytes = extent.dropped_bytes;
   return content;
 }
 
-Result<Journal> Journal::open(const std::filesystem::path& file, std::function<double()> wall_clock) {
-  GRANARY_TRY(JournalContent content, read_journal(file));
+Result<Journal> Journal::open(const fs::path& file, std::function<double()> wall_clock) {
   Journal journal;
+  GRANARY_TRY(const Extent extent, scan(file, [&](const Line& line) {
+                if (!journal.first_wall_time_) journal.first_wall_time_ = line.wall_time;
+                return Status();
+              }));
   journal.file_ = file;
   journal.wall_clock_ = wall_clock ? std::move(wall_clock) : system_wall_clock;
   journal.fd_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (journal.fd_ < 0) return write_error(file, errno);
-  if (content.dropped_bytes > 0 && ::ftruncate(journal.fd_, static_cast<off_t>(content.whole_bytes)) != 0) {
+  if (extent.dropped_bytes > 0 && ::ftruncate(journal.fd_, static_cast<off_t>(extent.whole_bytes)) != 0) {
     return write_error(file, errno);
   }
-  journal.size_ = journal.reserved_ = content.whole_bytes;
-  journal.next_sequence_ = content.records.size() + 1;
-  journal.dropped_bytes_ = content.dropped_bytes;
-  journal.records_ = std::move(content.records);
+  journal.size_ = journal.reserved_ = extent.whole_bytes;
+  journal.next_sequence_ = extent.records + 1;
+  journal.dropped_bytes_ = extent.dropped_bytes;
   journal.health_ = journal.reserve();
   return journal;
 }
 
 Journal Journal::in_memory(std::function<double()> wall_clock) {
   Journal journal;
-  journal.in_memory_ = true;
   journal.wall_clock_ = wall_clock ? std::move(wall_clock) : system_wall_clock;
   return journal;
+}
+
+Result<Journal> Journal::copy_of(const fs::path& file) {
+  Journal copy = in_memory();
+  GRANARY_TRY(const Extent extent, scan(file, [&](const Line& line) {
+                copy.stamp_ = line.wall_time;
+                copy.add(line.kind, line.payload);
+                return Status();
+              }));
+  copy.dropped_bytes_ = extent.dropped_bytes;
+  copy.stamp_.reset();
+  return copy;
 }
 
 Journal::Journal(Journal&& other) noexcept { *this = std::move(other); }
 
 Journal& Journal::operator=(Journal&& other) noexcept {
   std::swap(fd_, other.fd_);
-  in_memory_ = other.in_memory_;
   file_ = std::move(other.file_);
   wall_clock_ = std::move(other.wall_clock_);
-  records_ = std::move(other.records_);
+  stamp_ = other.stamp_;
+  first_wall_time_ = other.first_wall_time_;
+  std::swap(buffer_, other.buffer_);
   dropped_bytes_ = other.dropped_bytes_;
   next_sequence_ = other.next_sequence_;
+  buffered_ = other.buffered_;
   size_ = other.size_;
   reserved_ = other.reserved_;
   dirty_ = other.dirty_;
@@ -153,11 +209,34 @@ Journal& Journal::operator=(Journal&& other) noexcept {
 
 Journal::~Journal() {
   if (fd_ < 0) return;
+  (void)flush();
   (void)sync();
   // Gives back what the file system has reserved behind the last record.
   if (reserved_ > size_ && ::ftruncate(fd_, static_cast<off_t>(size_)) != 0) { /* it stays reserved, no harm */
   }
   ::close(fd_);
+}
+
+Status Journal::for_each(const std::function<Status(const Line&)>& fn) const {
+  if (fd_ >= 0) {
+    const auto extent = scan(file_, fn);
+    return extent ? Status() : Status(extent.error());
+  }
+  for (std::size_t begin = 0; begin < buffer_.size();) {
+    const std::size_t end = buffer_.find('\n', begin);
+    GRANARY_CHECK(fn(*read_line(std::string_view(buffer_).substr(begin, end - begin))));
+    begin = end + 1;
+  }
+  return {};
+}
+
+std::vector<Record> Journal::records(std::string_view kind) const {
+  std::vector<Record> records;
+  (void)for_each([&](const Line& line) {
+    if (line.kind.starts_with(kind)) records.push_back(record_of(line));
+    return Status();
+  });
+  return records;
 }
 
 Status Journal::reserve() {
@@ -171,39 +250,82 @@ Status Journal::reserve() {
   return errno == ENOSPC || errno == EDQUOT ? Status(write_error(file_, errno)) : Status();
 }
 
+void Journal::add(std::string_view kind, std::string_view payload) {
+  const double wall_time = stamp_.value_or(wall_clock_());
+  if (!first_wall_time_) first_wall_time_ = wall_time;
+  append_line(buffer_, {next_sequence_++, wall_time, kind, payload});
+  ++buffered_;
+  if (fd_ >= 0 && buffer_.size() > kLargestBuffer) (void)flush();
+}
+
 Status Journal::append(const std::string& kind, const json::Value& payload) {
-  const double wall_time = wall_clock_();
-  if (in_memory_) {
-    records_.push_back({next_sequence_++, wall_time, kind, payload});
-    return {};
+  std::string text;
+  append_json(text, payload);
+  add(kind, text);
+  return flush();
+}
+
+Status Journal::flush() {
+  if (fd_ < 0 || buffer_.empty()) return {};
+  const Status written = write_out();
+  buffer_.clear();
+  const std::uint64_t lines = std::exchange(buffered_, 0);
+  if (!written) {
+    next_sequence_ -= lines;  // so that what can be written later follows on what is there
+    return health_ = written;
   }
-  const std::string line = line_of(next_sequence_, wall_time, kind, payload) + "\n";
+  dirty_ = true;
+  health_ = reserve();
+  return {};
+}
+
+Status Journal::write_out() {
   std::size_t written = 0;
-  while (written < line.size()) {
-    const ssize_t n = ::pwrite(fd_, line.data() + written, line.size() - written, static_cast<off_t>(size_ + written));
+  while (written < buffer_.size()) {
+    const ssize_t n =
+        ::pwrite(fd_, buffer_.data() + written, buffer_.size() - written, static_cast<off_t>(size_ + written));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const int code = n < 0 ? errno : EIO;
       // Half a record must not stay behind: a later one would be written over its beginning only.
       if (written > 0 && ::ftruncate(fd_, static_cast<off_t>(size_)) == 0) reserved_ = size_;
-      health_ = write_error(file_, code);
-      return health_;
+      return write_error(file_, code);
     }
     written += static_cast<std::size_t>(n);
   }
-  size_ += line.size();
-  ++next_sequence_;
-  dirty_ = true;
-  health_ = reserve();
+  size_ += buffer_.size();
   return {};
 }
 
 Status Journal::healthy() const { return health_; }
 
 Status Journal::sync() {
-  if (!dirty_ || in_memory_) return {};
+  if (!dirty_ || fd_ < 0) return {};
   dirty_ = false;
   if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) return health_ = write_error(file_, errno);
+  return {};
+}
+
+Status Journal::rewrite(const std::function<void(Journal&)>& write) {
+  if (fd_ < 0) return {};
+  fs::path beside = file_;
+  beside += ".new";
+  std::error_code error;
+  fs::remove(beside, error);
+  GRANARY_TRY(Journal fresh, open(beside, wall_clock_));
+  write(fresh);
+  GRANARY_CHECK(fresh.flush());
+  GRANARY_CHECK(fresh.healthy());
+  GRANARY_CHECK(fresh.sync());
+  fs::rename(beside, file_, error);
+  if (error) return write_error(file_, error.value());
+  fresh.file_ = file_;
+  fresh.stamp_.reset();
+  fresh.dropped_bytes_ = dropped_bytes_;
+  buffer_.clear();
+  dirty_ = false;
+  reserved_ = size_;  // nothing to give back in the file that is no more
+  *this = std::move(fresh);
   return {};
 }
 

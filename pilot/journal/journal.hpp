@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
+#include "pilot/journal/line.hpp"
 
 namespace granary::pilot {
 
@@ -38,39 +41,58 @@ class Journal {
   static Result<Journal> open(const std::filesystem::path& file, std::function<double()> wall_clock = {});
   /// Keeps the records in memory only: for dry runs and tests.
   static Journal in_memory(std::function<double()> wall_clock = {});
+  /// In memory, beginning with what a file holds; the file is never changed.
+  static Result<Journal> copy_of(const std::filesystem::path& file);
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&& other) noexcept;
   ~Journal();
 
-  /// What was there when it was opened; in memory: also what was appended since.
-  const std::vector<Record>& records() const { return records_; }
+  std::uint64_t n_records() const { return next_sequence_ - 1; }
+  /// When the first record was written [s since 1970-01-01 UTC]; nothing while there is none.
+  std::optional<double> first_wall_time() const { return first_wall_time_; }
   std::size_t dropped_bytes() const { return dropped_bytes_; }
+  /// Reads all records again, one after the other, in bounded memory. Error: of reading, or the first of `fn`.
+  Status for_each(const std::function<Status(const Line&)>& fn) const;
+  /// Those whose kind begins with `kind`.
+  std::vector<Record> records(std::string_view kind = "") const;
 
-  /// The record has reached the kernel when this returns (a kill of the pilot loses nothing; sync() for a power cut).
-  /// Error: the disk is full or failing; then the file still ends with a whole record.
+  /// Adds a record that flush() writes, with all others since the last flush. `payload`: JSON.
+  void add(std::string_view kind, std::string_view payload);
+  /// What was added has reached the kernel when this returns (a kill of the pilot loses nothing; sync() for a power
+  /// cut). Error: the disk is full or failing; then the file still ends with a whole record.
+  Status flush();
+  /// add() and flush().
   Status append(const std::string& kind, const json::Value& payload);
-  /// Nothing, or why the next append() may fail: space for the last words is kept in reserve, and this says when it is
+  /// Nothing, or why the next flush() may fail: space for the last words is kept in reserve, and this says when it is
   /// touched.
   Status healthy() const;
-  /// Waits until the disk has what was appended.
+  /// Waits until the disk has what was flushed.
   Status sync();
   /// Whether there is anything to sync().
   bool dirty() const { return dirty_; }
 
+  /// Replaces the file's records by those that `write` adds: written beside it, then renamed over it, so that a kill at
+  /// any moment leaves the old file or the new one. `write` gets a journal to add() to.
+  Status rewrite(const std::function<void(Journal&)>& write);
+  /// Stamps what add() is given from now on; nothing: the clock's time.
+  void stamp_with(std::optional<double> wall_time) { stamp_ = wall_time; }
+
  private:
   Journal() = default;
   Status reserve();
+  Status write_out();
 
   int fd_ = -1;
-  bool in_memory_ = false;
   std::filesystem::path file_;
   std::function<double()> wall_clock_;
-  std::vector<Record> records_;
+  std::optional<double> stamp_, first_wall_time_;
+  std::string buffer_;  ///< lines to flush; in memory: all of them
   std::size_t dropped_bytes_ = 0;
   std::uint64_t next_sequence_ = 1;
-  std::uint64_t size_ = 0;      ///< bytes of whole records
+  std::uint64_t buffered_ = 0;  ///< lines to flush
+  std::uint64_t size_ = 0;      ///< bytes of whole records in the file
   std::uint64_t reserved_ = 0;  ///< bytes the file system has promised us
-  bool dirty_ = false;          ///< appended to since the last sync()
+  bool dirty_ = false;          ///< flushed to since the last sync()
   Status health_;
 };
 

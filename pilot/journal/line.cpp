@@ -1,0 +1,102 @@
+#include "pilot/journal/line.hpp"
+
+#include <charconv>
+#include <cmath>
+
+namespace granary::pilot {
+namespace {
+
+// A line is BODY,"sum":"0123456789abcdef"} where BODY is the object without its closing brace.
+constexpr std::string_view kSumOpens = ",\"sum\":\"", kSumCloses = "\"}";
+constexpr std::size_t kSumDigits = 16;
+constexpr std::size_t kSumLength = kSumOpens.size() + kSumDigits + kSumCloses.size();
+constexpr std::string_view kSequence = "{\"n\":", kWallTime = ",\"wall_s\":", kKind = ",\"kind\":\"",
+                           kPayload = "\",\"payload\":";
+
+/// FNV-1a, 64 bits.
+std::uint64_t sum_of(std::string_view bytes) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash;
+}
+
+void append_hex(std::string& text, std::uint64_t number) {
+  constexpr char kHex[] = "0123456789abcdef";
+  for (int shift = 60; shift >= 0; shift -= 4) text += kHex[number >> static_cast<unsigned>(shift) & 15U];
+}
+
+void append_number(std::string& text, std::uint64_t number) {
+  char digits[24];
+  text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+}
+
+/// Seconds with six decimals.
+void append_time(std::string& text, double seconds) {
+  const auto micros = static_cast<std::uint64_t>(std::llround(std::max(0.0, seconds) * 1e6));
+  append_number(text, micros / 1'000'000);
+  std::string decimals;
+  append_number(decimals, micros % 1'000'000 + 1'000'000);
+  decimals[0] = '.';
+  text += decimals;
+}
+
+/// Reads past `opening`; false if it is not there.
+bool take(std::string_view& text, std::string_view opening) {
+  if (!text.starts_with(opening)) return false;
+  text.remove_prefix(opening.size());
+  return true;
+}
+
+template <class Number>
+bool take(std::string_view& text, Number& number) {
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (read.ec != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return true;
+}
+
+}  // namespace
+
+void append_line(std::string& text, const Line& line) {
+  const std::size_t begin = text.size();
+  text += kSequence;
+  append_number(text, line.sequence);
+  text += kWallTime;
+  append_time(text, line.wall_time);
+  text += kKind;
+  text += line.kind;
+  text += kPayload;
+  text += line.payload;
+  const std::uint64_t sum = sum_of(std::string_view(text).substr(begin));
+  text += kSumOpens;
+  append_hex(text, sum);
+  text += kSumCloses;
+  text += '\n';
+}
+
+bool has_good_sum(std::string_view line) {
+  if (line.size() <= kSumLength) return false;
+  const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
+  if (!sum.starts_with(kSumOpens) || !sum.ends_with(kSumCloses)) return false;
+  std::string wanted;
+  append_hex(wanted, sum_of(body));
+  return sum.substr(kSumOpens.size(), kSumDigits) == wanted;
+}
+
+std::optional<Line> read_line(std::string_view line) {
+  if (line.size() <= kSumLength) return std::nullopt;
+  std::string_view body = line.substr(0, line.size() - kSumLength);
+  Line read;
+  if (!take(body, kSequence) || !take(body, read.sequence) || !take(body, kWallTime) || !take(body, read.wall_time) ||
+      !take(body, kKind))
+    return std::nullopt;
+  const std::size_t end = body.find('"');
+  if (end == std::string_view::npos) return std::nullopt;
+  read.kind = body.substr(0, end);
+  body.remove_prefix(end);
+  if (!take(body, kPayload) || body.empty()) return std::nullopt;
+  read.payload = body;
+  return read;
+}
+
+}  // namespace granary::pilot
