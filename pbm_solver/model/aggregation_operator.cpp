@@ -122,7 +122,8 @@ AggregationOperator::AggregationOperator(const AggregationTables& tables, const 
     for (int x = 0; x < count; ++x) single_.emplace_back(without_wet(c), grid, first + x, 1, 1);
   }
   for (auto* list : {&weight_, &other_weight_, &death_}) list->resize(n_ * lanes_);
-  scratch_.resize(static_cast<std::size_t>(simd::group_scratch(tables.groups(), lanes)));
+  const auto group_scratch = static_cast<std::size_t>(simd::group_scratch(tables.groups(), lanes));
+  scratch_.resize(tables.form == Form::pairs ? n_ * lanes_ : group_scratch);
   const RateTable table = tables.n_groups > 1 || has_table(*c.aggregation) ? rate_table_of(c) : RateTable();
   const auto groups = static_cast<std::size_t>(tables.n_groups);
   for (std::size_t a = 0; a < groups; ++a)
@@ -263,7 +264,8 @@ void AggregationOperator::add(BlockFields state, const double* participation, do
     do_->deaths(grid_, tables_->groups(), coefficient_.data(), slots_.data(), slots_.data(), scratch_.data(),
                 death_.data(), above);
   } else {
-    do_->direct(grid_, tables_->pairs->view(beta_.data()), slots_.data(), births, death_.data(), above);
+    do_->direct(grid_, tables_->pairs->view(beta_.data()), slots_.data(), scratch_.data(), births, death_.data(),
+                above);
   }
   take_away(weight, nullptr, 1.0, state, rates, loss);
 }

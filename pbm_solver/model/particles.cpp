@@ -43,28 +43,41 @@ struct Change {
   double saturation_factor, tolerance, asperity;
 };
 
-/// Totals are compared with what they would be if no particle had changed: no division by the number.
-inline __attribute__((always_inline)) int has_moved(const Change& c, std::size_t k, double least) {
+/// How much further than allowed the class has moved, negative: not so far. Totals are compared with what they would be
+/// if no particle had changed: no division by the number.
+inline __attribute__((always_inline)) double excess(const Change& c, std::size_t k, double least) {
   const double number = c.number[k], liquid = c.liquid[k], gas = c.gas[k];
   const double soaked = c.saturation_factor * gas, inside = soaked < liquid ? soaked : liquid;
   const double volume_change = fabs(c.solid[k] * number + liquid + gas - number * c.known_volume[k]);
   const double film_change = fabs(liquid - inside - number * c.known_liquid[k]);
-  const int too_far = (volume_change > c.tolerance * number * c.known_volume[k]) |
-                      (film_change > c.tolerance * number * (c.known_liquid[k] + c.asperity * c.dry_area[k]));
-  return too_far & (c.solid[k] * number > least);
+  const double of_volume = volume_change - c.tolerance * number * c.known_volume[k];
+  const double of_film = film_change - c.tolerance * number * (c.known_liquid[k] + c.asperity * c.dry_area[k]);
+  const double further = of_volume > of_film ? of_volume : of_film;
+  return c.solid[k] * number > least ? further : -1.0;
 }
 
 GRANARY_EVERY_WIDTH
-int count_moved(const Change& c, std::size_t n, std::size_t lanes, const double* least) {
-  int moved = 0;
+bool any_moved(const Change& c, std::size_t n, std::size_t lanes) {
+  double least[kLanes] = {}, furthest[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) furthest[l] = -1.0;
   if (lanes == 1) {
-#pragma omp simd reduction(+ : moved)
-    for (std::size_t k = 0; k < n; ++k) moved += has_moved(c, k, least[0]);
-    return moved;
+#pragma omp simd reduction(+ : least[0])
+    for (std::size_t k = 0; k < n; ++k) least[0] += kHolds * c.solid[k] * c.number[k];
+#pragma omp simd reduction(max : furthest[0])
+    for (std::size_t k = 0; k < n; ++k) furthest[0] = fmax(furthest[0], excess(c, k, least[0]));
+    return furthest[0] > 0.0;
   }
   for (std::size_t k = 0; k < n; k += kLanes)
-#pragma omp simd reduction(+ : moved)
-    for (std::size_t l = 0; l < kLanes; ++l) moved += has_moved(c, k + l, least[l]);
+#pragma omp simd
+    for (std::size_t l = 0; l < kLanes; ++l) least[l] += kHolds * c.solid[k + l] * c.number[k + l];
+  for (std::size_t k = 0; k < n; k += kLanes)
+#pragma omp simd
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double e = excess(c, k + l, least[l]);
+      furthest[l] = e > furthest[l] ? e : furthest[l];
+    }
+  bool moved = false;
+  for (const double f : furthest) moved |= f > 0.0;
   return moved;
 }
 
@@ -118,13 +131,9 @@ void ParticleTable::look_at(const double* number, const double* liquid, const do
 bool ParticleTable::moved(const double* number, const double* liquid, const double* gas, double tolerance,
                           double asperity, int lanes) const {
   if (!known_ || tolerance <= 0.0) return true;
-  std::array<double, kLanes> least{};
-  const auto width = static_cast<std::size_t>(lanes);
-  for (std::size_t k = 0; k < volume.size(); k += width)
-    for (std::size_t l = 0; l < width; ++l) least[l] += kHolds * solids_->solid[k + l] * number[k + l];
-  return count_moved({number, liquid, gas, solids_->solid.data(), volume.data(), known_liquid_.data(),
-                      solids_->dry_area.data(), saturation_factor_, tolerance, asperity},
-                     volume.size(), width, least.data()) > 0;
+  return any_moved({number, liquid, gas, solids_->solid.data(), volume.data(), known_liquid_.data(),
+                    solids_->dry_area.data(), saturation_factor_, tolerance, asperity},
+                   volume.size(), static_cast<std::size_t>(lanes));
 }
 
 ParticleTable ParticleTable::lane(std::size_t lane, std::size_t lanes) const {

@@ -3,7 +3,7 @@
 namespace granary::pbm {
 
 PairList::PairList(const ClassGrid& grid) : n1_(grid.axis(0).size()), n2_(grid.axis(1).size()) {
-  const SolidAxis &rows = grid.axis(0), &columns = grid.axis(1);
+  const SolidAxis& rows = grid.axis(0);
   first_pair_.assign(static_cast<std::size_t>(n1_ * n1_), 0);
   row_cell_.assign(static_cast<std::size_t>(n1_ * n1_), n1_);
   for (int i1 = 0; i1 < n1_; ++i1)
@@ -13,18 +13,27 @@ PairList::PairList(const ClassGrid& grid) : n1_(grid.axis(0).size()), n2_(grid.a
       first_pair_[at] = size_;
       size_ += i1 == i2 ? long(n2_) * (n2_ + 1) / 2 : long(n2_) * n2_;
     }
-  // Range after range of one offset, so that neighbouring entries do not add to the same cell.
-  for (int offset = 0; offset < columns.offsets(); ++offset)
-    for (int j = 0; j < n2_; ++j) {
+  list_columns(grid.axis(1));
+}
+
+void PairList::list_columns(const SolidAxis& columns) {
+  for (int j = 0; j < n2_; ++j) {
+    const std::size_t count = columns_.size();
+    columns_.push_back(0);
+    const auto add = [&](int first, int last, int cell) {
+      columns_.insert(columns_.end(), {first, last, cell});
+      ++columns_[count];
+    };
+    for (int offset = 0; offset < columns.offsets(); ++offset) {
       const PartnerRange range = columns.partners(j, offset);
-      if (!range.empty()) columns_.insert(columns_.end(), {j, j + offset, range.first, range.last});
+      if (!range.empty()) add(range.first, range.last, j + offset);
     }
-  for (int j = 0; j < n2_; ++j)
-    if (columns.highest_partner(j) < j) columns_.insert(columns_.end(), {j, -1, columns.highest_partner(j) + 1, j});
+    leaving_.push_back(columns.highest_partner(j) + 1);
+  }
 }
 
 simd::PairView PairList::view(const double* beta) const {
-  return {row_cell_.data(), columns_.data(), static_cast<int>(columns_.size() / 4), beta, first_pair_.data()};
+  return {row_cell_.data(), columns_.data(), leaving_.data(), beta, first_pair_.data()};
 }
 
 void PairList::for_each_row(const std::function<void(int, int, int, long)>& row) const {

@@ -22,8 +22,10 @@ class PairList {
   void for_each_row(const std::function<void(int k, int first, int count, long at)>& row) const;
 
  private:
+  void list_columns(const SolidAxis& columns);
+
   int n1_, n2_;
-  std::vector<int> row_cell_, columns_;
+  std::vector<int> row_cell_, columns_, leaving_;  ///< see simd::PairView
   std::vector<long> first_pair_;
   long size_ = 0;
 };

@@ -26,8 +26,8 @@ struct GroupView {
 /// with those j' < j of row i1.
 struct PairView {
   const int* row_cell = nullptr;     ///< destination row of (i1, i2), n1 for above the grid, shape (n1, n1)
-  const int* columns = nullptr;      ///< (j, destination column or -1 above the grid, first, last) ...
-  int n_columns = 0;                 ///< entries of four in `columns`
+  const int* columns = nullptr;      ///< of each j: how many ranges of partners, and (first, last, cell) of each
+  const int* leaving = nullptr;      ///< of each j: its first partner whose sum with it is above the grid; beyond j: none
   const double* beta = nullptr;      ///< [pair][W]
   const long* first_pair = nullptr;  ///< of (i1, i2) with i2 <= i1, shape (n1, n1)
 };
@@ -55,9 +55,9 @@ struct Operations {
   /// see group_scratch().
   void (*deaths)(const GridView& grid, const GroupView& groups, const double* coefficient, const double* packs,
                  const double* other, double* scratch, double* death, double* above);
-  /// Births and deaths of every pair, one by one.
-  void (*direct)(const GridView& grid, const PairView& pairs, const double* packs, double* births, double* death,
-                 double* above);
+  /// Births and deaths of every pair, one by one. scratch: [class][W].
+  void (*direct)(const GridView& grid, const PairView& pairs, const double* packs, double* scratch, double* births,
+                 double* death, double* above);
   /// Adds births, shared between the pivots around their means, to the rates and takes away death * weight * state.
   /// rates_*: [class][W].
   void (*share)(const GridView& grid, const double* births, double* rate_number, double* rate_liquid, double* rate_gas);
