@@ -26,9 +26,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A power cut loses at most this much of the journal [s]; a kill of the pilot loses nothing.
-constexpr double kSyncEvery = 0.25;
-
 std::string new_run_id() {
   std::random_device random;
   return fmt::format("{:08x}{:08x}", random(), random());
@@ -101,9 +98,9 @@ struct Pilot::State {
     const Status written = journal.flush();
     if (!written) fail(written.error());
     if (written && !journal.healthy()) fail(journal.healthy().error());
-    if (journal.dirty() && !sync_set) {
+    if (journal.dirty() && !sync_set && options.sync_every > 0.0) {
       sync_set = true;
-      loop.after(kSyncEvery, [this, watch = std::weak_ptr<bool>(alive)] {
+      loop.after(options.sync_every, [this, watch = std::weak_ptr<bool>(alive)] {
         if (watch.expired()) return;
         sync_set = false;
         (void)flush();
@@ -352,7 +349,7 @@ struct Pilot::State {
     for (const Task& task : table.tasks) {
       ++folders[folder_of(task.spec)];
       if (has_ended(task.state) && !task.resumable) continue;
-      if (const Status fits = check_fits(task.spec, options.machine, scheduler.layouts()); !fits) {
+      if (const Status fits = check_fits(task.spec, scheduler.layouts()); !fits) {
         return Error{fmt::format("task \"{}\" {}", task.spec.name, fits.error().message)};
       }
     }
@@ -434,7 +431,7 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
     if (state.table.find(before) != nullptr) continue;
     return Error{fmt::format("task \"{}\" comes after \"{}\", which has not been submitted", spec.name, before)};
   }
-  if (const Status fits = check_fits(spec, state.options.machine, state.scheduler.layouts()); !fits) {
+  if (const Status fits = check_fits(spec, state.scheduler.layouts()); !fits) {
     return Error{fmt::format("task \"{}\" {}", spec.name, fits.error().message)};
   }
   const TaskId id{static_cast<int>(state.table.tasks.size())};

@@ -23,6 +23,7 @@ namespace granary::pilot {
 struct PilotOptions {
   std::filesystem::path dir;  ///< the campaign's folder; tasks' folders are relative to it
   Machine machine;
+  double sync_every = 0.25;  ///< a power cut loses at most this much of the journal [s]; 0: never waits for the disk
 };
 
 /// Core seconds since the pilot started (and in earlier lives of the same campaign).

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <functional>
-#include <map>
+#include <unordered_map>
 
 #include "pilot/launch/launcher.hpp"
 #include "pilot/loop/event_loop.hpp"
@@ -49,7 +49,12 @@ class SimulatedLauncher final : public Launcher {
 
   EventLoop& loop_;
   std::function<SimulatedRun(const TaskSpec&)> model_;
-  std::map<AttemptId, Run> runs_;
+  struct Hash {
+    std::size_t operator()(AttemptId id) const {
+      return static_cast<std::size_t>(id.task.value) * 31U + static_cast<std::size_t>(id.number);
+    }
+  };
+  std::unordered_map<AttemptId, Run, Hash> runs_;
 };
 
 }  // namespace granary::pilot

@@ -5,35 +5,68 @@
 namespace granary::pilot {
 
 TimerId VirtualLoop::at(double time, std::function<void()> fn) {
-  const std::uint64_t id = ++last_id_;
-  const double when = std::max(time, now_);
-  events_.emplace(Key{when, id}, std::move(fn));
-  time_of_.emplace(id, when);
-  return TimerId{id};
+  if (free_slots_.empty()) {
+    free_slots_.push_back(static_cast<std::uint32_t>(slots_.size()));
+    slots_.emplace_back();
+  }
+  const std::uint32_t slot = free_slots_.back();
+  free_slots_.pop_back();
+  slots_[slot].fn = std::move(fn);
+  const std::uint32_t use = slots_[slot].use;
+  heap_.push_back({std::max(time, now_), ++n_asked_, slot, use});
+  std::push_heap(heap_.begin(), heap_.end());
+  return TimerId{std::uint64_t{use} << 32U | slot};
+}
+
+void VirtualLoop::release(std::uint32_t slot) {
+  slots_[slot].fn = nullptr;
+  if (++slots_[slot].use == 0) slots_[slot].use = 1;  // 0 would be TimerId::none
+  free_slots_.push_back(slot);
 }
 
 void VirtualLoop::cancel(TimerId timer) {
-  const auto found = time_of_.find(static_cast<std::uint64_t>(timer));
-  if (found == time_of_.end()) return;
-  events_.erase(Key{found->second, found->first});
-  time_of_.erase(found);
+  const auto id = static_cast<std::uint64_t>(timer);
+  const auto slot = static_cast<std::uint32_t>(id), use = static_cast<std::uint32_t>(id >> 32U);
+  // What is left of it in the heap is dropped when its time comes.
+  if (slot < slots_.size() && slots_[slot].use == use && use != 0) release(slot);
+}
+
+/// Takes cancelled events off the front; whether anything is left to happen.
+bool VirtualLoop::drop_cancelled() {
+  while (!heap_.empty() && !is_live(heap_.front())) {
+    std::pop_heap(heap_.begin(), heap_.end());
+    heap_.pop_back();
+  }
+  return !heap_.empty() || !posted_.empty();
 }
 
 void VirtualLoop::fire_first() {
-  auto event = events_.extract(events_.begin());
-  time_of_.erase(event.key().second);
-  now_ = event.key().first;
-  event.mapped()();
+  const bool timer_first =
+      !heap_.empty() &&
+      (posted_.empty() || (heap_.front().time <= now_ && heap_.front().asked < posted_.front().asked));
+  std::function<void()> fn;
+  if (timer_first) {
+    const Due due = heap_.front();
+    std::pop_heap(heap_.begin(), heap_.end());
+    heap_.pop_back();
+    now_ = due.time;
+    fn = std::move(slots_[due.slot].fn);
+    release(due.slot);
+  } else {
+    fn = std::move(posted_.front().fn);
+    posted_.pop_front();
+  }
+  fn();
 }
 
 void VirtualLoop::run() {
   stopped_ = false;
-  while (!stopped_ && !events_.empty()) fire_first();
+  while (!stopped_ && drop_cancelled()) fire_first();
 }
 
 void VirtualLoop::run_until(double time) {
   stopped_ = false;
-  while (!stopped_ && !events_.empty() && events_.begin()->first.first <= time) fire_first();
+  while (!stopped_ && drop_cancelled() && (!posted_.empty() || heap_.front().time <= time)) fire_first();
   if (!stopped_) now_ = std::max(now_, time);
 }
 

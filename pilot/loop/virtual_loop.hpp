@@ -2,9 +2,9 @@
 // microseconds.
 #pragma once
 
-#include <map>
-#include <unordered_map>
-#include <utility>
+#include <cstdint>
+#include <deque>
+#include <vector>
 
 #include "pilot/loop/event_loop.hpp"
 
@@ -17,7 +17,7 @@ class VirtualLoop final : public EventLoop {
   double now() const override { return now_; }
   double wall_time() const override { return wall_start_ + now_; }
   TimerId at(double time, std::function<void()> fn) override;
-  void post(std::function<void()> fn) override { at(now_, std::move(fn)); }
+  void post(std::function<void()> fn) override { posted_.push_back({++n_asked_, std::move(fn)}); }
   void cancel(TimerId timer) override;
   /// Until no event is left, or stop().
   void run() override;
@@ -26,15 +26,37 @@ class VirtualLoop final : public EventLoop {
   void stop() override { stopped_ = true; }
 
  private:
-  using Key = std::pair<double, std::uint64_t>;  ///< time, then the order of asking
+  /// What a TimerId leads to: its lower half is the slot, its upper half counts the slot's uses.
+  struct Slot {
+    std::uint32_t use = 1;
+    std::function<void()> fn;  ///< empty: cancelled, or free
+  };
+  struct Due {
+    double time;
+    std::uint64_t asked;  ///< the order of asking
+    std::uint32_t slot, use;
+    bool operator<(const Due& other) const {  // a heap has its largest in front: the first to come
+      return time != other.time ? time > other.time : asked > other.asked;
+    }
+  };
+  struct Posted {
+    std::uint64_t asked;
+    std::function<void()> fn;
+  };
+
+  bool drop_cancelled();
+  bool is_live(const Due& due) const { return slots_[due.slot].use == due.use; }
+  void release(std::uint32_t slot);
   void fire_first();
 
   double now_ = 0.0;
   double wall_start_;
   bool stopped_ = false;
-  std::uint64_t last_id_ = 0;
-  std::map<Key, std::function<void()>> events_;
-  std::unordered_map<std::uint64_t, double> time_of_;
+  std::uint64_t n_asked_ = 0;
+  std::vector<Due> heap_;
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> free_slots_;
+  std::deque<Posted> posted_;
 };
 
 }  // namespace granary::pilot

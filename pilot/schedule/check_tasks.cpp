@@ -7,25 +7,19 @@
 
 namespace granary::pilot {
 
-Status check_fits(const TaskSpec& spec, const Machine& machine, const Layouts& layouts) {
+Status check_fits(const TaskSpec& spec, const Layouts& layouts) {
   if (spec.cores() == 0) return {};
   const Layout layout = layouts.of(spec);
   if (layout.nodes == 0) {
     const std::string need = fmt::format("needs {} core(s) ({} rank(s) x {} thread(s){})", spec.cores(), spec.ranks,
                                          spec.threads, spec.nodes > 0 ? fmt::format(" on {} node(s)", spec.nodes) : "");
-    return Error{fmt::format("{}, but there are {} on {} node(s), the largest with {}", need, machine.n_cores(),
-                             machine.nodes.size(), machine.largest_node())};
+    return Error{fmt::format("{}, but there are {} on {} node(s), the largest with {}", need, layouts.n_cores(),
+                             layouts.n_nodes(), layouts.largest_node())};
   }
   const std::int64_t share = layout.memory * layout.large;
-  if (share == 0) return {};
-  std::int64_t largest = 0;
-  for (const Node& node : machine.nodes) {
-    if (node.memory_bytes == 0) return {};
-    largest = std::max(largest, node.memory_bytes);
-  }
-  if (share > largest) {
+  if (share > layouts.largest_memory() && layouts.largest_memory() > 0) {
     return Error{fmt::format("needs {:.3g} GB on a node, but the largest has {:.3g} GB",
-                             static_cast<double>(share) * 1e-9, static_cast<double>(largest) * 1e-9)};
+                             static_cast<double>(share) * 1e-9, static_cast<double>(layouts.largest_memory()) * 1e-9)};
   }
   return {};
 }
@@ -107,7 +101,7 @@ class Checker {
   void sizes(const Machine& machine) {
     const Layouts layouts(machine);
     for (std::size_t k = 0; k < tasks_.size(); ++k) {
-      const Status fits = check_fits(tasks_[k], machine, layouts);
+      const Status fits = check_fits(tasks_[k], layouts);
       if (fits) continue;
       const bool too_many_ranks = tasks_[k].ranks >= tasks_[k].threads;
       const int count = too_many_ranks ? tasks_[k].ranks : tasks_[k].threads;

@@ -17,8 +17,8 @@ namespace granary::pilot {
 void check_tasks(std::span<const TaskSpec> tasks, const Machine& machine, const std::string& file,
                  json::Problems& problems, const std::string& pointer = "/tasks");
 
-/// Whether the task could start on the empty machine; the error's message says what is missing, without the task's
-/// name.
-Status check_fits(const TaskSpec& spec, const Machine& machine, const Layouts& layouts);
+/// Whether the task could start on the empty machine of these layouts; the error's message says what is missing,
+/// without the task's name.
+Status check_fits(const TaskSpec& spec, const Layouts& layouts);
 
 }  // namespace granary::pilot

@@ -21,6 +21,13 @@ Layout layout_on(const TaskSpec& spec, int nodes) {
 
 Layouts::Layouts(const Machine& machine) {
   for (const Node& node : machine.nodes) sizes_.push_back(static_cast<int>(node.cpus.size()));
+  bool known = true;
+  for (const Node& node : machine.nodes) {
+    known = known && node.memory_bytes > 0;
+    largest_memory_ = std::max(largest_memory_, node.memory_bytes);
+    n_cores_ += static_cast<int>(node.cpus.size());
+  }
+  if (!known) largest_memory_ = 0;
   std::sort(sizes_.begin(), sizes_.end(), std::greater<>());
 }
 

@@ -26,9 +26,16 @@ class Layouts {
   explicit Layouts(const Machine& machine);
   /// On as few nodes as the empty machine has room for it, or on as many as the task asks for.
   Layout of(const TaskSpec& spec) const;
+  /// Memory of the node that has most [bytes]; 0: of some node nobody knows.
+  std::int64_t largest_memory() const { return largest_memory_; }
+  int n_cores() const { return n_cores_; }
+  int n_nodes() const { return static_cast<int>(sizes_.size()); }
+  int largest_node() const { return sizes_.empty() ? 0 : sizes_.front(); }
 
  private:
   std::vector<int> sizes_;  ///< cores of each node, largest first
+  std::int64_t largest_memory_ = 0;
+  int n_cores_ = 0;
 };
 
 /// Cores on each of the nodes that the ranks are spread over, largest first: 5 ranks x 2 threads on 2 nodes: {6, 4}.
