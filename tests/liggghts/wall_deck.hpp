@@ -68,14 +68,18 @@ inline std::vector<Corners> floor_of(int n) { return sheet({-0.05, -0.05, 0}, {0
 
 // ---- decks ----
 
+/// A run of one rank needs no daemon of Open MPI's, which takes longer to start than most of these runs take.
+inline const int kWithoutDaemon = setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
+
+constexpr double kYoung = 5e6, kWallYoung = 5e8, kPoisson = 0.3, kTimeStep = 5e-6;
+
 struct Law {
   std::string models;  ///< after "tangential history"
   double restitution = 0.5, friction = 0.4;
   double gravity = 9.81;
+  double wall_young = kWallYoung, time_step = kTimeStep;
   std::string more;  ///< commands before the box's contents, e.g. processors
 };
-
-constexpr double kYoung = 5e6, kWallYoung = 5e8, kPoisson = 0.3, kTimeStep = 5e-6;
 
 /// Type 1: particles, type 2: walls. `state`: a box, or the name of a restart file.
 inline std::string deck(const Law& law, const std::string& state = "-0.06 0.06 -0.06 0.06 -0.03 0.06") {
@@ -86,7 +90,7 @@ inline std::string deck(const Law& law, const std::string& state = "-0.06 0.06 -
        << (state.find(' ') == std::string::npos ? "read_restart " + state + "\n"
                                                 : "region box block " + state + " units box\ncreate_box 2 box\n")
        << "neighbor 0.001 bin\nneigh_modify delay 0\n"
-       << "fix m1 all property/global youngsModulus peratomtype " << kYoung << " " << kWallYoung << "\n"
+       << "fix m1 all property/global youngsModulus peratomtype " << kYoung << " " << law.wall_young << "\n"
        << "fix m2 all property/global poissonsRatio peratomtype " << kPoisson << " " << kPoisson << "\n";
   const auto pairs = [&](const char* name, const char* property, double value) {
     text << "fix " << name << " all property/global " << property << " peratomtypepair 2";
@@ -98,7 +102,7 @@ inline std::string deck(const Law& law, const std::string& state = "-0.06 0.06 -
   pairs("m5", "coefficientRollingFriction", 0.1);
   pairs("m6", "cohesionEnergyDensity", 3e3);
   text << "pair_style gran model hertz tangential history " << law.models << "\npair_coeff * *\n"
-       << "timestep " << kTimeStep << "\nfix integrate all nve/sphere\n"
+       << "timestep " << law.time_step << "\nfix integrate all nve/sphere\n"
        << "fix g all gravity " << law.gravity << " vector 0 0 -1\n"
        << "thermo 100000\nthermo_modify lost ignore norm no\n";
   return text.str();
