@@ -83,14 +83,14 @@ struct Pilot::State {
     text.clear();
     append_json(text, payload);
     journal.add(kind, text);
-    turn_soon();
   }
 
   /// Both what we decide to do and what has happened in the world; what follows from it is done by the turn, once it is
   /// written.
   void happens(const Event& event) {
     record(kind_of(event), to_json(event));
-    for (Action& action : update(table, event)) todo.push_back(std::move(action));
+    update(table, event, todo);
+    turn_soon();
   }
 
   /// Error: the journal could not take it, or will not take much more.
@@ -98,16 +98,19 @@ struct Pilot::State {
     const Status written = journal.flush();
     if (!written) fail(written.error());
     if (written && !journal.healthy()) fail(journal.healthy().error());
-    if (journal.dirty() && !sync_set && options.sync_every > 0.0) {
-      sync_set = true;
-      loop.after(options.sync_every, [this, watch = std::weak_ptr<bool>(alive)] {
-        if (watch.expired()) return;
-        sync_set = false;
-        (void)flush();
-        if (const Status synced = journal.sync(); !synced) fail(synced.error());
-      });
-    }
+    if (journal.dirty()) sync_soon();
     return written;
+  }
+
+  void sync_soon() {
+    if (sync_set || options.sync_every <= 0.0) return;
+    sync_set = true;
+    loop.after(options.sync_every, [this, watch = std::weak_ptr<bool>(alive)] {
+      if (watch.expired()) return;
+      (void)flush();
+      if (const Status synced = journal.sync(); !synced) fail(synced.error());
+      sync_set = false;
+    });
   }
 
   void turn_soon() {
@@ -169,7 +172,11 @@ struct Pilot::State {
     const auto started = launcher.start(
         launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
     if (started) {
-      happens({now(), Started{spawn.attempt, started->pid, started->start_ticks}});
+      // Nothing follows from it, so it may wait for the next write; after a kill the mark finds the process without it.
+      const Event event{now(), Started{spawn.attempt, started->pid, started->start_ticks}};
+      record(kind_of(event), to_json(event));
+      update(table, event, todo);
+      sync_soon();
     } else {
       happens({now(), StartFailed{spawn.attempt, started.error().message}});
     }
@@ -227,7 +234,7 @@ struct Pilot::State {
 
   /// When nothing runs and what is ready would run beyond the allocation's end, waiting for it helps nobody.
   void end_early_if_nothing_fits() {
-    if (stopping || !table.running.empty() || !table.suspended.empty() || !scheduler.only_late_ones_left()) return;
+    if (stopping || !table.running_ids.empty() || !table.suspended.empty() || !scheduler.only_late_ones_left()) return;
     stopping = true;
     stop_reason = "none of the tasks left can end before the allocation does";
     log::info("pilot", stop_reason);
@@ -254,7 +261,7 @@ struct Pilot::State {
   }
 
   bool idle() const {
-    const bool nothing_runs = table.running.empty() && table.suspended.empty();
+    const bool nothing_runs = table.running_ids.empty() && table.suspended.empty();
     return nothing_runs && (stopping || (table.n_waiting == 0 && table.n_ready == 0));
   }
 
@@ -275,6 +282,7 @@ struct Pilot::State {
   void lose_node(int node, const std::string& reason) {
     if (node < 0 || node >= scheduler.resources().n_nodes() || !scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
+    turn_soon();
     record("node.lost", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}, {"reason", reason}}));
     scheduler.lose_node(node);
     const std::string why = fmt::format("node {} was lost: {}", name, reason);
@@ -293,6 +301,7 @@ struct Pilot::State {
   void regain_node(int node) {
     if (node < 0 || node >= scheduler.resources().n_nodes() || scheduler.resources().is_up(node)) return;
     const std::string& name = options.machine.nodes[static_cast<std::size_t>(node)].name;
+    turn_soon();
     record("node.back", json::Value::object({{"time_s", now()}, {"node", node}, {"name", name}}));
     scheduler.regain_node(node);
     turn_soon();
@@ -318,7 +327,7 @@ struct Pilot::State {
   }
 
   std::vector<TaskId> active_tasks() const {
-    std::vector<TaskId> active(table.running.begin(), table.running.end());
+    std::vector<TaskId> active = table.running();
     for (const Turn& turn : table.suspended) active.push_back(turn.id);
     return active;
   }

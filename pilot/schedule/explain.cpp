@@ -23,7 +23,7 @@ std::string waiting_for(const Task& task, const Table& table) {
 /// What holds the machine: "3 of 4 cores are busy: dem on 0,1; pbm on 2".
 std::string holders(const Table& table, const Resources& resources) {
   std::string text;
-  for (const TaskId id : table.running) {
+  for (const TaskId id : table.running()) {
     const Task& other = table.at(id);
     const auto& cores = other.last().pieces.back().cores;
     if (cores.empty()) continue;

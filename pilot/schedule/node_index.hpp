@@ -1,22 +1,11 @@
 // Nodes sorted by how many of their cores are to be had: a node moves, and the tightest fit is found, in O(1).
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
+#include "pilot/task/number_set.hpp"
+
 namespace granary::pilot {
-
-/// Numbers below a bound; the first one, or the first after another, is found in two steps of 64.
-class BitSet {
- public:
-  void insert(int number);
-  void erase(int number);
-  /// The smallest number that is not below `from`; -1: none.
-  int next(int from) const;
-
- private:
-  std::vector<std::uint64_t> words_, summary_;
-};
 
 class NodeIndex {
  public:
@@ -31,8 +20,8 @@ class NodeIndex {
   int next(int count, int from) const { return nodes_[static_cast<std::size_t>(count)].next(from); }
 
  private:
-  std::vector<int> count_;     ///< by node
-  std::vector<BitSet> nodes_;  ///< by count
+  std::vector<int> count_;        ///< by node
+  std::vector<NumberSet> nodes_;  ///< by count
   std::vector<int> at_least_;
 };
 

@@ -40,20 +40,20 @@ void ReadyQueue::insert(const Task& task, const Layout& layout) {
       levels_.resize(static_cast<std::size_t>(layout.small) + 1);
     levels_[static_cast<std::size_t>(layout.small)].groups[{key.bucket, layout.nodes}].push_back(&group);
   }
-  group_of_[task.id.value] = &group;
-  all_.insert(turn_of(task));
+  if (group_of_.size() <= index(task.id)) group_of_.resize(std::max(index(task.id) + 1, 2 * group_of_.size()), nullptr);
+  group_of_[index(task.id)] = &group;
+  ++size_;
   group.tasks.insert(turn_of(task));
   if (group.tasks.begin()->id == task.id) refresh(group);
 }
 
 void ReadyQueue::erase(const Task& task) {
-  const auto found = group_of_.find(task.id.value);
-  if (found == group_of_.end()) return;
-  Group& group = *found->second;
+  if (!has(task.id)) return;
+  Group& group = *group_of_[index(task.id)];
   const bool was_first = group.tasks.begin()->id == task.id;
   group.tasks.erase(turn_of(task));
-  all_.erase(turn_of(task));
-  group_of_.erase(found);
+  group_of_[index(task.id)] = nullptr;
+  --size_;
   if (was_first) refresh(group);
 }
 
@@ -69,18 +69,26 @@ void ReadyQueue::refresh(const Group& group) {
   std::uint64_t any = MinTree::kNone;
   for (const MinTree& tree : level.by_duration) any = std::min(any, tree.at(nodes));
   level.any.set(nodes, any);
+  tops_.set(group.layout.small, level.any.smallest());
 }
 
 std::optional<TaskId> ReadyQueue::first() const {
-  if (all_.empty()) return std::nullopt;
-  return all_.begin()->id;
+  std::uint64_t first = tops_.smallest();
+  for (const auto* groups : {&passed_, &passed_for_memory_}) {
+    for (const Group* group : *groups) {
+      if (!group->tasks.empty()) first = std::min(first, number_of(*group->tasks.begin()));
+    }
+  }
+  return task_of(first);
 }
 
 std::optional<TaskId> ReadyQueue::first_fitting(const NodeIndex& nodes) const {
   const std::vector<int>& at_least = nodes.at_least();
   std::uint64_t first = MinTree::kNone;
-  for (std::size_t cores = 1; cores < std::min(levels_.size(), at_least.size()) && at_least[cores] > 0; ++cores)
-    first = std::min(first, levels_[cores].any.smallest_up_to(at_least[cores]));
+  for (std::size_t cores = 1; cores < std::min(levels_.size(), at_least.size()) && at_least[cores] > 0; ++cores) {
+    if (tops_.at(static_cast<int>(cores)) < first)
+      first = std::min(first, levels_[cores].any.smallest_up_to(at_least[cores]));
+  }
   return task_of(first);
 }
 
@@ -88,6 +96,7 @@ std::optional<TaskId> ReadyQueue::first_fitting(const NodeIndex& nodes, double d
   const std::vector<int>& at_least = nodes.at_least();
   std::uint64_t first = MinTree::kNone;
   for (std::size_t cores = 1; cores < std::min(levels_.size(), at_least.size()) && at_least[cores] > 0; ++cores) {
+    if (tops_.at(static_cast<int>(cores)) >= first) continue;
     const Level& level = levels_[cores];
     if (level.any.smallest_up_to(at_least[cores]) >= first) continue;
     for (int bucket = 0; bucket < kBuckets - 1 && longest_in(bucket) <= duration; ++bucket)
@@ -97,7 +106,7 @@ std::optional<TaskId> ReadyQueue::first_fitting(const NodeIndex& nodes, double d
 }
 
 void ReadyQueue::pass_over(TaskId id, bool for_memory) {
-  Group& group = *group_of_.at(id.value);
+  Group& group = *group_of_[index(id)];
   group.passed = true;
   (for_memory ? passed_for_memory_ : passed_).push_back(&group);
   refresh(group);

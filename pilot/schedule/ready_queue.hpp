@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
 #include "pilot/schedule/layout.hpp"
@@ -21,9 +20,9 @@ class ReadyQueue {
  public:
   void insert(const Task& task, const Layout& layout);
   void erase(const Task& task);
-  bool has(TaskId id) const { return group_of_.count(id.value) != 0; }
-  bool empty() const { return group_of_.empty(); }
-  const Layout& layout(TaskId id) const { return group_of_.at(id.value)->layout; }
+  bool has(TaskId id) const { return index(id) < group_of_.size() && group_of_[index(id)] != nullptr; }
+  bool empty() const { return size_ == 0; }
+  const Layout& layout(TaskId id) const { return group_of_[index(id)]->layout; }
 
   /// The first in turn, passed over or not.
   std::optional<TaskId> first() const;
@@ -61,14 +60,16 @@ class ReadyQueue {
     std::map<std::pair<int, int>, std::vector<Group*>> groups;  ///< by bucket and nodes
   };
 
+  static std::size_t index(TaskId id) { return static_cast<std::size_t>(id.value); }
   static int bucket_of(double duration);
   static double longest_in(int bucket);
   void refresh(const Group& group);
 
   std::map<Key, Group> groups_;
-  std::unordered_map<int, Group*> group_of_;  ///< by task id
-  std::vector<Level> levels_;                 ///< by cores a node
-  std::set<Turn> all_;
+  std::vector<Group*> group_of_;  ///< by task id
+  std::size_t size_ = 0;
+  std::vector<Level> levels_;  ///< by cores a node
+  MinTree tops_;               ///< the first turn of each level
   std::vector<Group*> passed_, passed_for_memory_;
 };
 

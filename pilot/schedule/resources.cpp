@@ -82,20 +82,23 @@ void Resources::set_use(int core, Use use) {
   now = use;
 }
 
-Resources::Use Resources::use_when_free(int core) const { return claimed_[index(core)] ? Use::claimed : Use::idle; }
+/// Gives cores to a task, or back from it (nobody's id), a stretch on one node at a time.
+void Resources::set_holder(const CoreSet& cores, TaskId id, double end, Use use) {
+  for (const CoreSet::Stretch& stretch : cores.stretches()) {
+    const int last = stretch.first + stretch.count;
+    for (int core = stretch.first; core < last;) {
+      const int node = node_of(core), stop = std::min(last, end_core(node));
+      std::fill(holder_.begin() + core, holder_.begin() + stop, id);
+      std::fill(end_.begin() + core, end_.begin() + stop, end);
+      for (; core < stop; ++core) set_use(core, use == Use::idle && claimed_[index(core)] ? Use::claimed : use);
+      reindex(node);
+    }
+  }
+}
 
 void Resources::take(TaskId id, Hold hold) {
-  const Use use = hold.lends ? Use::lent : Use::taken;
-  int node = -1;
-  hold.cores.for_each([&](int core) {
-    GRANARY_ASSERT(is_free(core), core);
-    if (node_of(core) != node && node >= 0) reindex(node);
-    node = node_of(core);
-    holder_[index(core)] = id;
-    end_[index(core)] = hold.end;
-    set_use(core, use);
-  });
-  if (node >= 0) reindex(node);
+  hold.cores.for_each([&](int core) { GRANARY_ASSERT(is_free(core), core); });
+  set_holder(hold.cores, id, hold.end, hold.lends ? Use::lent : Use::taken);
   n_free_ -= hold.cores.size();
   if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
     auto& shares = memory_of_[id.value];
@@ -110,15 +113,7 @@ void Resources::take(TaskId id, Hold hold) {
 
 void Resources::release(TaskId id, bool keep_memory) {
   if (const auto held = holds_.find(id.value); held != holds_.end()) {
-    int node = -1;
-    held->second.cores.for_each([&](int core) {
-      if (node_of(core) != node && node >= 0) reindex(node);
-      node = node_of(core);
-      holder_[index(core)] = TaskId{};
-      end_[index(core)] = 0.0;
-      set_use(core, use_when_free(core));
-    });
-    if (node >= 0) reindex(node);
+    set_holder(held->second.cores, TaskId{}, 0.0, Use::idle);
     n_free_ += held->second.cores.size();
     holds_.erase(held);
   }
@@ -195,17 +190,24 @@ double Resources::free_at(int node, int count, bool empty) const {
   return *nth;
 }
 
-std::vector<int> Resources::pick(int node, int count) const {
-  std::vector<int> chosen, cores;
+void Resources::pick(int node, int count, CoreSet& picked) const {
+  const NodeState& state = nodes_[index(node)];
+  if (state.idle == end_core(node) - first_core(node)) return picked.add(first_core(node), count);
+  thread_local std::vector<int> chosen, cores;
+  chosen.clear();
   for (const Use wanted : {Use::idle, Use::lent}) {
+    const std::size_t missing = index(count) - chosen.size();
+    if (missing == 0) break;
     cores.clear();
     for (int core = first_core(node); core < end_core(node); ++core) {
-      if (use_[index(core)] == wanted) cores.push_back(core);
+      if (use_[index(core)] != wanted) continue;
+      cores.push_back(core);
+      if (count == 1) break;
     }
-    take_nearest(cores, std::min(cores.size(), index(count) - chosen.size()), chosen);
+    take_nearest(cores, std::min(cores.size(), missing), chosen);
   }
   std::sort(chosen.begin(), chosen.end());
-  return chosen;
+  for (const int core : chosen) picked.add(core);
 }
 
 }  // namespace granary::pilot

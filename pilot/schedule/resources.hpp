@@ -78,8 +78,8 @@ class Resources {
   /// When `count` cores of the node (and all its memory, if `empty`) will be available, by the expected ends [s];
   /// 0: now.
   double free_at(int node, int count, bool empty) const;
-  /// `count` available cores of the node: idle ones near each other, then fillers'.
-  std::vector<int> pick(int node, int count) const;
+  /// Adds `count` available cores of the node: idle ones near each other, then fillers'.
+  void pick(int node, int count, CoreSet& picked) const;
 
  private:
   enum class Use : char { taken, idle, lent, claimed };
@@ -92,7 +92,7 @@ class Resources {
 
   void set_use(int core, Use use);
   void reindex(int node);
-  Use use_when_free(int core) const;
+  void set_holder(const CoreSet& cores, TaskId id, double end, Use use);
 
   Machine machine_;
   std::vector<int> node_of_;     ///< by core

@@ -277,9 +277,7 @@ std::optional<Scheduler::Parts> Scheduler::places(TaskId id, const NodeIndex& id
 
 CoreSet Scheduler::pick(const Parts& parts) const {
   CoreSet cores;
-  for (const Reservation::Part& part : parts) {
-    for (const int core : resources_.pick(part.node, part.cores)) cores.add(core);
-  }
+  for (const Reservation::Part& part : parts) resources_.pick(part.node, part.cores, cores);
   return cores;
 }
 

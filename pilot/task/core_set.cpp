@@ -14,12 +14,12 @@ CoreSet::CoreSet(std::initializer_list<int> cores) {
   for (const int core : cores) add(core);
 }
 
-void CoreSet::add(int core) {
-  if (!stretches_.empty() && stretches_.back().first + stretches_.back().count == core) {
-    ++stretches_.back().count;
+void CoreSet::add(int first, int count) {
+  if (!stretches_.empty() && stretches_.back().first + stretches_.back().count == first) {
+    stretches_.back().count += count;
   } else {
     if (stretches_.empty()) stretches_.reserve(1);
-    stretches_.push_back({core, 1});
+    stretches_.push_back({first, count});
   }
 }
 

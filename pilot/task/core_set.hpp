@@ -24,7 +24,9 @@ class CoreSet {
   /// "0-3,8": what text() writes. Error: anything else.
   static Result<CoreSet> parse(std::string_view text);
 
-  void add(int core);
+  void add(int core) { add(core, 1); }
+  /// `count` cores from `first` on.
+  void add(int first, int count);
   bool empty() const { return stretches_.empty(); }
   int size() const;
   int front() const { return stretches_.front().first; }

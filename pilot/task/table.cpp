@@ -10,6 +10,12 @@ double Attempt::ran(double now) const {
   return seconds;
 }
 
+std::vector<TaskId> Table::running() const {
+  std::vector<TaskId> ids;
+  for (int id = running_ids.next(0); id >= 0; id = running_ids.next(id + 1)) ids.push_back(TaskId{id});
+  return ids;
+}
+
 const Task* Table::find(const std::string& name) const {
   const auto found = by_name.find(name);
   return found == by_name.end() ? nullptr : &at(found->second);
@@ -72,7 +78,7 @@ Status Table::check_invariants() const {
     n_running += task.state == TaskState::running;
     n_suspended += task.state == TaskState::suspended;
     ready_count += task.state == TaskState::ready;
-    if ((task.state == TaskState::running) != (running.count(task.id) == 1))
+    if ((task.state == TaskState::running) != running_ids.has(task.id.value))
       return broken(task, "is not among the running");
     if ((task.state == TaskState::suspended) != (suspended.count(turn) == 1))
       return broken(task, "is not among the suspended");
@@ -82,7 +88,7 @@ Status Table::check_invariants() const {
       }
     }
   }
-  if (waiting != n_waiting || n_running != running.size() || n_suspended != suspended.size() ||
+  if (waiting != n_waiting || n_running != running_ids.size() || n_suspended != suspended.size() ||
       ready_count != n_ready) {
     return Error{"the table's counts do not match its tasks", Exit::internal};
   }

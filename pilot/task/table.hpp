@@ -10,6 +10,7 @@
 
 #include "common/result.hpp"
 #include "pilot/task/core_set.hpp"
+#include "pilot/task/number_set.hpp"
 #include "pilot/task/spec.hpp"
 #include "pilot/task/state.hpp"
 
@@ -69,13 +70,14 @@ struct Table {
   std::vector<Task> tasks;  ///< by id
   std::unordered_map<std::string, TaskId> by_name;
   // Indices of `tasks` by state, so that nothing walks through all of them.
-  std::set<TaskId> running;
+  NumberSet running_ids;
   std::set<Turn> suspended;
   std::size_t n_waiting = 0, n_ready = 0;
   std::vector<TaskId> changed;  ///< state or ending has changed since the scheduler looked; some several times
 
   Task& at(TaskId id) { return tasks.at(static_cast<std::size_t>(id.value)); }
   const Task& at(TaskId id) const { return tasks.at(static_cast<std::size_t>(id.value)); }
+  std::vector<TaskId> running() const;  ///< by id
   const Task* find(const std::string& name) const;
   bool has(TaskId id) const { return id.value >= 0 && static_cast<std::size_t>(id.value) < tasks.size(); }
   /// What must hold after every event; the error names what does not. Cost: all tasks; for tests.

@@ -12,8 +12,7 @@ namespace {
 /// One event's worth of changes.
 class Step {
  public:
-  Step(Table& table, double time) : table_(table), time_(time) {}
-  std::vector<Action> take_actions() { return std::move(actions_); }
+  Step(Table& table, double time, std::vector<Action>& actions) : table_(table), time_(time), actions_(actions) {}
 
   void operator()(const Submitted& event) {
     if (table_.find(event.spec.name) != nullptr) return;
@@ -209,7 +208,7 @@ class Step {
         --table_.n_ready;
         break;
       case TaskState::running:
-        table_.running.erase(task.id);
+        table_.running_ids.erase(task.id.value);
         break;
       case TaskState::suspended:
         table_.suspended.erase(turn);
@@ -226,7 +225,7 @@ class Step {
         ++table_.n_ready;
         break;
       case TaskState::running:
-        table_.running.insert(task.id);
+        table_.running_ids.insert(task.id.value);
         break;
       case TaskState::suspended:
         table_.suspended.insert(turn);
@@ -320,15 +319,20 @@ class Step {
 
   Table& table_;
   double time_;
-  std::vector<Action> actions_;
+  std::vector<Action>& actions_;
 };
 
 }  // namespace
 
-std::vector<Action> update(Table& table, const Event& event) {
-  Step step(table, event.time);
+void update(Table& table, const Event& event, std::vector<Action>& actions) {
+  Step step(table, event.time, actions);
   std::visit(step, event.what);
-  return step.take_actions();
+}
+
+std::vector<Action> update(Table& table, const Event& event) {
+  std::vector<Action> actions;
+  update(table, event, actions);
+  return actions;
 }
 
 }  // namespace granary::pilot

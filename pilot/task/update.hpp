@@ -47,5 +47,7 @@ using Action = std::variant<Spawn, AskToEnd, Kill, Pause, Continue, SetAlarm, Cl
 /// apply to) changes nothing and gives no actions: so twice does no harm. Dependencies of a Submitted task must be in
 /// the table.
 std::vector<Action> update(Table& table, const Event& event);
+/// Likewise; what follows is appended to `actions`.
+void update(Table& table, const Event& event, std::vector<Action>& actions);
 
 }  // namespace granary::pilot

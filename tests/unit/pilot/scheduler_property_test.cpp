@@ -30,7 +30,7 @@ class RandomPilot {
 
   /// Something happens to one of the tasks that run or are suspended.
   void disturb() {
-    std::vector<TaskId> active(table_.running.begin(), table_.running.end());
+    std::vector<TaskId> active = table_.running();
     for (const Turn& turn : table_.suspended) active.push_back(turn.id);
     if (active.empty()) return;
     const TaskId id = active[*rc::gen::inRange<std::size_t>(0, active.size())];
@@ -82,7 +82,7 @@ class RandomPilot {
   /// The book of cores says what the table says: so no core is held twice or by nobody.
   void check_cores() const {
     std::vector<TaskId> holder(static_cast<std::size_t>(resources().n_cores()));
-    for (const TaskId id : table_.running) {
+    for (const TaskId id : table_.running()) {
       for (const int core : table_.at(id).last().pieces.back().cores.list())
         holder[static_cast<std::size_t>(core)] = id;
     }
