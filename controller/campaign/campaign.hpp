@@ -48,8 +48,11 @@ struct DemSettings {
   int size_classes = 6;                    ///< of the DEM particles, and of the tallies
   double fine_cut = 0.05;                  ///< share of the volume, the finest, that rides on the finest class [-]
   std::optional<double> largest_diameter;  ///< of a DEM particle [m]: what the machine's gaps allow; none: no bound
-  std::optional<double> density;  ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
-  double longest_burst = 1.0;     ///< measured DEM time of one burst at most [s]; also dem_case.duration
+  std::optional<double> density;       ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
+  double longest_burst = 1.0;          ///< measured DEM time of one burst at most [s]; also dem_case.duration
+  std::optional<double> time_step;     ///< [s]; none: the longest that is allowed for each burst's particles and speeds
+  std::optional<double> soft_overlap;  ///< particles softened until a hit presses them in so far, over the radius;
+                                       ///< none: the material's own stiffness
 };
 
 struct PbmSettings {
@@ -68,12 +71,12 @@ struct Resources {
   std::optional<int> cores;  ///< a node; none: all that the machine has
 
   // What `granary submit` asks Slurm for.
-  std::string partition, account;      ///< empty: Slurm's default
-  std::optional<double> walltime;      ///< of one job [s]; none: the partition's
-  double stop_before = 120.0;          ///< everything is stopped so long before the job's end [s]
-  int chain = 0;                       ///< so many further jobs at most go on where one was stopped by its end
-  bool exclusive = true;               ///< whole nodes
-  std::vector<std::string> options;    ///< further options of sbatch: "--constraint=haswell"
+  std::string partition, account;    ///< empty: Slurm's default
+  std::optional<double> walltime;    ///< of one job [s]; none: the partition's
+  double stop_before = 120.0;        ///< everything is stopped so long before the job's end [s]
+  int chain = 0;                     ///< so many further jobs at most go on where one was stopped by its end
+  bool exclusive = true;             ///< whole nodes
+  std::vector<std::string> options;  ///< further options of sbatch: "--constraint=haswell"
 };
 
 struct Outputs {

@@ -137,7 +137,10 @@ Result<Campaign> understand(json::Value document, const fs::path& file, const fs
 
   const int cores = campaign.resources.cores.value_or(largest_task(campaign));
   if (campaign.kind == Kind::tasks) check_tasks_fit(campaign, campaign.resources.nodes, cores, problems);
-  if (campaign.kind == Kind::coupled) check_together(campaign, problems);
+  if (campaign.kind == Kind::coupled) {
+    if (problems.empty()) choose_likely_time_step(campaign);
+    check_together(campaign, problems);
+  }
   if (campaign.kind == Kind::coupled && campaign.resources.cores)
     check_cores(campaign, campaign.resources.nodes, cores, problems);
   // The schema is the second net: it knows the same rules (a test holds the two together), but says less about a fault.

@@ -10,6 +10,7 @@
 #include "controller/campaign/pointer.hpp"
 #include "controller/campaign/powder.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/render/automatic.hpp"
 #include "dem_templates/render/time_step.hpp"
 
 namespace granary::campaign {
@@ -178,18 +179,29 @@ HoldUp starting_hold_up(const pbm::PbmCase& balance) {
   return {solid_mass(classes, balance.grid, balance.materials), solid + fluid};
 }
 
-/// A burst is held against its own particles when it is rendered; here only a step that is too long for any likely ones
-/// is refused: their mean at half the budget of particles.
-void check_time_step(const Campaign& campaign, Checker& checker) {
-  if (campaign.coupling.mode == Mode::pbm_only || campaign.dem.coarse_graining) return;
-  if (!checker.sound({"/dem", "/feed", "/charge", "/process", "/pbm", "/machine", "/materials"})) return;
+/// The mean particle at half the budget of particles; nothing where that cannot be told.
+std::optional<dem::DemCase> likely_case(const Campaign& campaign) {
+  if (campaign.coupling.mode == Mode::pbm_only || campaign.dem.coarse_graining) return std::nullopt;
   const HoldUp held = starting_hold_up(campaign.pbm_case);
-  if (!(held.volume > 0.0)) return;
+  if (!(held.volume > 0.0)) return std::nullopt;
   dem::DemCase likely = campaign.dem_case;
   const double diameter = sphere_diameter(held.volume / (0.5 * static_cast<double>(campaign.dem.particles)));
   likely.feed_rate = 0.0;
   likely.density = campaign.dem.density.value_or(held.mass / held.volume);
   likely.population = {{0.0, 1.0, {diameter}, {1}}};
+  return likely;
+}
+
+/// A burst is held against its own particles when it is rendered; here only a step that is too long for any likely ones
+/// is refused.
+void check_time_step(const Campaign& campaign, Checker& checker) {
+  if (!campaign.dem.time_step) return;
+  if (!checker.sound({"/dem", "/feed", "/charge", "/process", "/pbm", "/machine", "/materials"})) return;
+  auto asked = likely_case(campaign);
+  if (!asked) return;
+  dem::DemCase& likely = *asked;
+  likely.time_step = *campaign.dem.time_step;
+  const double diameter = likely.population.front().diameter.front();
   const double largest = dem::largest_time_step(dem::time_step_figures(likely));
   if (likely.time_step > largest)
     checker.add(
@@ -197,7 +209,7 @@ void check_time_step(const Campaign& campaign, Checker& checker) {
         fmt::format("it is too long for the contacts: {:g} DEM particles are about {:.2g} mm large, and stay stable "
                     "and resolved up to {:.2g} s.",
                     static_cast<double>(campaign.dem.particles), diameter * 1e3, largest),
-        "Shorten it, or use fewer particles or a lower Young's modulus.");
+        "Shorten it, or leave it to \"auto\", or use fewer particles or a lower Young's modulus.");
 }
 
 void check_rounds(const Campaign& campaign, Checker& checker) {
@@ -216,6 +228,14 @@ void check_rounds(const Campaign& campaign, Checker& checker) {
 }
 
 }  // namespace
+
+void choose_likely_time_step(Campaign& campaign) {
+  if (campaign.dem.time_step) {
+    campaign.dem_case.time_step = *campaign.dem.time_step;
+  } else if (const auto likely = likely_case(campaign)) {
+    campaign.dem_case.time_step = dem::automatic_time_step(*likely);
+  }
+}
 
 void check_together(const Campaign& campaign, json::Problems& problems) {
   Checker checker(campaign, problems);

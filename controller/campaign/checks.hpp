@@ -10,6 +10,9 @@ namespace granary::campaign {
 /// default.
 void check_together(const Campaign& campaign, json::Problems& problems);
 
+/// The DEM's base case takes the time step of likely particles where it is "auto": each burst chooses its own later.
+void choose_likely_time_step(Campaign& campaign);
+
 /// Whether every task fits on so many nodes of so many cores.
 void check_cores(const Campaign& campaign, int nodes, int cores_per_node, json::Problems& problems);
 

@@ -7,6 +7,8 @@ namespace {
 
 using json::Range;
 
+constexpr double kSoftOverlap = 0.3;
+
 bool is_prime(std::int64_t n) {
   for (std::int64_t d = 2; d * d <= n; ++d)
     if (n % d == 0) return false;
@@ -29,6 +31,19 @@ void read_seed(json::Reader& reader, long& seed) {
   std::int64_t next = std::max<std::int64_t>(seed, kLeast + 1);
   while (!is_prime(next)) ++next;
   reader.problem("seed", "it must be a prime number above 10000.", "The next one is " + std::to_string(next) + ".");
+}
+
+void read_rank_grid(json::Reader& reader, dem::DemCase& base) {
+  if (is_auto(reader, "rank_grid")) return;
+  const auto grid = reader.numbers("rank_grid", Range::at_least(1));
+  double product = 1.0;
+  for (std::size_t d = 0; d < std::min<std::size_t>(grid.size(), 3); ++d) {
+    base.rank_grid[d] = static_cast<int>(grid[d]);
+    product *= base.rank_grid[d];
+  }
+  if (grid.size() != 3 || product != base.ranks)
+    reader.problem("rank_grid",
+                   "it must be three whole numbers whose product is /dem/ranks, " + std::to_string(base.ranks) + ".");
 }
 
 void read_scaling(json::Reader& reader, DemSettings& dem) {
@@ -62,7 +77,11 @@ void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) 
 
   base.walls =
       reader.choice_or("walls", "granary", {"granary", "stock"}) == "granary" ? dem::Walls::granary : dem::Walls::stock;
-  base.time_step = reader.quantity_or("time_step", base.time_step, "s", Range::positive());
+  if (!is_auto(reader, "time_step")) dem.time_step = reader.quantity_or("time_step", 0.0, "s", Range::positive());
+  if (reader.choice_or("stiffness", "material", {"material", "auto"}) == "auto") dem.soft_overlap = kSoftOverlap;
+  const double overlap = reader.number_or("impact_overlap", kSoftOverlap, {0.0, 1.0, false, true});
+  if (dem.soft_overlap) dem.soft_overlap = overlap;
+  if (!is_auto(reader, "skin")) base.skin = reader.quantity_or("skin", 0.0, "m", Range::positive());
   base.settle_time = reader.quantity_or("settle", base.settle_time, "s", Range::not_negative());
   base.tally.window = reader.quantity_or("tally_window", base.tally.window, "s", Range::positive());
   base.tally.every = static_cast<int>(reader.integer_or("tally_every", base.tally.every, Range::between(1, 10000)));
@@ -73,6 +92,7 @@ void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   read_guard(section_or_empty(reader, "guard", problems), base.guard);
   read_seed(reader, base.seed);
   base.ranks = static_cast<int>(reader.integer_or("ranks", base.ranks, Range::between(1, 100000)));
+  read_rank_grid(reader, base);
   reader.done();
 }
 

@@ -107,4 +107,25 @@ Result<MeasuredRates> measure_burst(const fs::path& burst_folder, const std::vec
   return measured;
 }
 
+Result<double> fastest_contacts(const fs::path& file) {
+  constexpr double kShare = 1e-3;
+  GRANARY_TRY(const std::vector<json::Value> lines, json::read_lines(file));
+  if (lines.empty()) return Error{fmt::format("{}: it is empty.", file.string())};
+  const std::vector<double> edges = lines.front().numbers("speed_edges_m_s");
+  if (edges.size() < 2) return Error{fmt::format("{}: line 1: speed_edges_m_s is missing.", file.string())};
+  std::vector<double> counts(edges.size() - 1, 0.0);
+  for (const json::Value& line : lines) {
+    for (const char* kind : {"collision_speed", "impact_speed"}) {
+      const std::vector<double> histogram = line[kind].numbers("histogram");
+      for (std::size_t h = 0; h < std::min(histogram.size(), counts.size()); ++h) counts[h] += histogram[h];
+    }
+  }
+  double total = 0.0, above = 0.0;
+  for (const double count : counts) total += count;
+  if (total * kShare < 1.0) return 0.0;
+  std::size_t bin = counts.size();
+  while (bin > 1 && above + counts[bin - 1] <= kShare * total) above += counts[--bin];
+  return edges[bin];
+}
+
 }  // namespace granary::coupling

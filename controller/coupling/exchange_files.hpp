@@ -21,4 +21,8 @@ Result<HoldUp> read_hold_up(const std::filesystem::path& file, std::optional<dou
 Result<MeasuredRates> measure_burst(const std::filesystem::path& burst_folder, const std::vector<double>& bed_volume,
                                     const RateSettings& settings);
 
+/// Normal speed at first touch that only one contact in a thousand exceeded, of collisions and impacts in a
+/// tallies.jsonl [m/s]; 0 where fewer than a thousand were counted.
+Result<double> fastest_contacts(const std::filesystem::path& file);
+
 }  // namespace granary::coupling

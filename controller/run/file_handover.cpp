@@ -9,6 +9,7 @@
 #include "common/json/io.hpp"
 #include "controller/coupling/exchange_files.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/render/automatic.hpp"
 #include "dem_templates/render/deck.hpp"
 
 namespace granary::run {
@@ -107,6 +108,12 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   burst.coarse_graining = sampled.coarse_graining;
   burst.tally.class_edges = sampled.class_edge;
   burst.duration = start.longest;
+  if (start.restart) {
+    GRANARY_TRY(burst.impact_speed, coupling::fastest_contacts(folder(*start.restart) / "tallies.jsonl"));
+  }
+  if (campaign_->dem.soft_overlap)
+    burst.contact.young_modulus = dem::automatic_young_modulus(burst, *campaign_->dem.soft_overlap);
+  if (!campaign_->dem.time_step) burst.time_step = dem::automatic_time_step(burst);
   burst.seed = campaign_->dem_case.seed + 7919L * start.burst.round + start.attempt - 1;
   if (start.restart) burst.restart = fs::path("..") / start.restart->folder() / "restart.liggghts";
   GRANARY_CHECK(dem::write_burst(burst, folder(start.burst)));

@@ -203,6 +203,18 @@ void check_population(Reader& in, const DemCase& c) {
                                            i + 1, c.population[i].from, c.population[i - 1].to));
 }
 
+void read_rank_grid(Reader& in, DemCase& c) {
+  if (!in.has("rank_grid")) return;
+  const auto grid = in.numbers("rank_grid", Range::at_least(1));
+  double product = 1.0;
+  for (std::size_t d = 0; d < std::min<std::size_t>(grid.size(), 3); ++d) {
+    c.rank_grid[d] = static_cast<int>(grid[d]);
+    product *= c.rank_grid[d];
+  }
+  if (grid.size() != 3 || product != c.ranks)
+    in.problem("rank_grid", fmt::format("must be three whole numbers whose product is the {} of ranks", c.ranks));
+}
+
 }  // namespace
 
 Result<DemCase> read_case(const json::Value& document, const std::string& file) {
@@ -223,6 +235,8 @@ Result<DemCase> read_case(const json::Value& document, const std::string& file) 
   if (c.feed_rate > 0.0 && c.machine.type == Machine::Type::batch_bowl)
     in.problem("feed_rate", "a batch bowl is not fed: it must be 0");
   c.time_step = in.number_or("time_step", c.time_step, Range::positive());
+  c.impact_speed = in.number_or("impact_speed", c.impact_speed, Range::not_negative());
+  if (in.has("skin")) c.skin = in.number("skin", Range::positive());
   c.settle_time = in.number_or("settle_time", c.settle_time, Range::not_negative());
   c.duration = in.number_or("duration", c.duration, Range::positive());
   c.tally = read_tally(in.section("tally"));
@@ -230,6 +244,7 @@ Result<DemCase> read_case(const json::Value& document, const std::string& file) 
   c.restart = read_path(in, "restart");
   c.seed = static_cast<long>(in.integer_or("seed", c.seed, Range::between(1, 2147483647)));
   c.ranks = static_cast<int>(in.integer_or("ranks", c.ranks, Range::at_least(1)));
+  read_rank_grid(in, c);
   in.done();
   if (!problems.empty()) return problems.error();
   return c;
@@ -250,6 +265,7 @@ json::Value to_json(const DemCase& c) {
        {"feed_rate", c.feed_rate},
        {"feed_diameter", c.feed_diameter},
        {"time_step", c.time_step},
+       {"impact_speed", c.impact_speed},
        {"settle_time", c.settle_time},
        {"duration", c.duration},
        {"tally",
@@ -261,6 +277,9 @@ json::Value to_json(const DemCase& c) {
   if (c.restart) out.set("restart", c.restart->string());
   out.set("seed", static_cast<std::int64_t>(c.seed));
   out.set("ranks", c.ranks);
+  if (c.skin) out.set("skin", *c.skin);
+  if (c.rank_grid[0] > 0)
+    out.set("rank_grid", Value::array().push(c.rank_grid[0]).push(c.rank_grid[1]).push(c.rank_grid[2]));
   return out;
 }
 

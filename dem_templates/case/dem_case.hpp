@@ -2,6 +2,7 @@
 // DEM burst): docs/exchange_formats.md.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -96,6 +97,8 @@ struct DemCase {
   double feed_rate = 0.0;              ///< solids fed while it runs [kg/s]; 0: none
   double feed_diameter = 0.0;          ///< of the fed particles [m]; 0: the smallest of the first compartment
   double time_step = 5e-6;             ///< [s]
+  double impact_speed = 0.0;           ///< of the fastest contacts that were measured before [m/s]; 0: tip speed
+  std::optional<double> skin;          ///< extra reach of the neighbour lists [m]; none: tried out (granary/skin)
   double settle_time = 0.05;           ///< after a fill or a resize, before the measuring starts [s]
   double duration = 0.2;               ///< longest measuring time of the burst [s]
   Tally tally;
@@ -103,6 +106,7 @@ struct DemCase {
   std::optional<std::filesystem::path> restart;  ///< LIGGGHTS restart file of the burst before
   long seed = 86028157;
   int ranks = 1;
+  std::array<int, 3> rank_grid{0, 0, 0};  ///< ranks along x, y, z; zeros: automatic_rank_grid()
 };
 
 /// From a parsed case.json; every problem at once. `file` opens the messages.

@@ -6,6 +6,7 @@
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
 #include "dem_templates/plugin/fix_resize.hpp"
+#include "dem_templates/plugin/fix_skin.hpp"
 #include "dem_templates/plugin/fix_tally.hpp"
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
@@ -34,6 +35,7 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/guard"] = create<FixGuard>;
   styles["granary/outlet"] = create<FixOutlet>;
   styles["granary/resize"] = create<FixResize>;
+  styles["granary/skin"] = create<FixSkin>;
   styles["granary/tally"] = create<FixTally>;
   styles["granary/wall"] = create<FixWall>;
 }

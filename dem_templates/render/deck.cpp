@@ -11,6 +11,7 @@
 #include "common/json/io.hpp"
 #include "common/units.hpp"
 #include "dem_templates/geometry/stl.hpp"
+#include "dem_templates/render/automatic.hpp"
 #include "dem_templates/render/regions.hpp"
 #include "dem_templates/render/render.hpp"
 #include "dem_templates/render/time_step.hpp"
@@ -51,6 +52,11 @@ double energy_bound(const DemCase& c, const Box3& box) {
   return c.guard.energy_factor * mass_of(c) * (0.5 * tip * tip + kGravity * fall);
 }
 
+std::string rank_grid(const DemCase& c) {
+  const auto grid = c.rank_grid[0] > 0 ? c.rank_grid : automatic_rank_grid(c);
+  return fmt::format("{} {} {}", grid[0], grid[1], grid[2]);
+}
+
 Result<std::string> state_commands(const DemCase& c, const Box3& box) {
   if (c.restart) return render(templates::restart, "restart.tmpl", {{"restart", c.restart->string()}});
   return render(templates::empty, "empty.tmpl",
@@ -77,6 +83,18 @@ Result<std::string> material_commands(const Contact& m) {
   return text;
 }
 
+// The settled bed is the first that is like all later ones. Stock walls need a longer reach than the particles.
+std::string skin_trial(const DemCase& c) {
+  if (c.skin || c.walls == Walls::stock) return "";
+  return fmt::format(
+      "\n# The neighbour skin that suits this bed.\n"
+      "fix skin all granary/skin speed {}\n"
+      "variable skin equal f_skin\n"
+      "neighbor ${{skin}} bin\n"
+      "unfix skin\n",
+      tip_speed(c.machine));
+}
+
 Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all) {
   const Schedule schedule = schedule_of(c);
   std::vector<double> edges{c.population.front().from};
@@ -93,6 +111,7 @@ Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all)
                  {"resize_walls", resize_walls(c, all)},
                  {"seed", number(c.seed)},
                  {"settle_steps", number(schedule.settle)},
+                 {"skin_trial", skin_trial(c)},
                  {"every", number(c.tally.every)},
                  {"window", number(schedule.window)},
                  {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
@@ -148,7 +167,8 @@ double neighbour_skin(const DemCase& c) {
   for (const Population& p : c.population)
     for (std::size_t i = 0; i < p.diameter.size(); ++i)
       if (p.count[i] > 0) largest = std::max(largest, p.diameter[i]);
-  if (c.walls == Walls::granary) return 0.8 * largest;
+  if (c.skin) return *c.skin;
+  if (c.walls == Walls::granary) return 0.6 * largest;
   const double best = 8.5 * std::sqrt(tip_speed(c.machine) * c.time_step * largest);
   return std::clamp(best, 0.25 * largest, 2.0 * largest);
 }
@@ -167,6 +187,7 @@ Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all)
                                         100 * figures.rayleigh_share, 1 / figures.contact_share)},
       {"state", state},
       {"skin", digits(neighbour_skin(c))},
+      {"rank_grid", rank_grid(c)},
       {"materials", materials},
       {"rolling", rolling_style(c)},
       {"time_step", digits(c.time_step)},

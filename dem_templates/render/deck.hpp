@@ -19,7 +19,7 @@ struct Schedule {
 };
 Schedule schedule_of(const DemCase& dem_case);
 
-/// Extra reach of the neighbour lists [m]; chosen by measuring (docs/dem.md).
+/// Extra reach of the neighbour lists [m] while the bed settles, or where no other is tried out (docs/dem.md).
 double neighbour_skin(const DemCase& dem_case);
 
 /// The LIGGGHTS input script. Pure. Errors: only our own (a template that does not fit).

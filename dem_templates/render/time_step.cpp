@@ -28,7 +28,7 @@ TimeStepFigures time_step_figures(const DemCase& c) {
   TimeStepFigures f;
   f.time_step = c.time_step;
   f.smallest_diameter = smallest_diameter(c);
-  f.impact_speed = tip_speed(c.machine);
+  f.impact_speed = c.impact_speed > 0.0 ? c.impact_speed : tip_speed(c.machine);
   const double nu = c.contact.poisson_ratio, r = 0.5 * f.smallest_diameter;
   const double shear_modulus = c.contact.young_modulus / (2.0 * (1.0 + nu));
   f.rayleigh_time = kPi * r * std::sqrt(c.density / shear_modulus) / (0.1631 * nu + 0.8766);
@@ -50,9 +50,9 @@ double largest_time_step(const TimeStepFigures& f) {
 std::optional<std::string> time_step_problem(const TimeStepFigures& f) {
   if (f.rayleigh_share <= kLargestRayleighShare && f.contact_share <= kLargestContactShare) return std::nullopt;
   return fmt::format(
-      "{:.3g} s is {:.0f} % of the Rayleigh time ({:.3g} s; at most 20 %) and 1/{:.1f} of the contact time at tip "
-      "speed "
-      "({:.3g} s at {:.3g} m/s; at most 1/15) of the smallest particle ({:.3g} m). It must be at most {:.3g} s; larger "
+      "{:.3g} s is {:.0f} % of the Rayleigh time ({:.3g} s; at most 20 %) and 1/{:.1f} of the contact time of the "
+      "fastest impacts ({:.3g} s at {:.3g} m/s; at most 1/15) of the smallest particle ({:.3g} m). It must be at most "
+      "{:.3g} s; larger "
       "particles or a lower Young's modulus allow more.",
       f.time_step, 100.0 * f.rayleigh_share, f.rayleigh_time, 1.0 / f.contact_share, f.contact_time, f.impact_speed,
       f.smallest_diameter, largest_time_step(f));

@@ -11,7 +11,7 @@ namespace granary::dem {
 /// Times and overlaps of the smallest particle; every share is time_step over the time.
 ///
 ///   Rayleigh  T_R = pi R sqrt(rho / G) / (0.1631 nu + 0.8766)                    G = Y / (2 (1 + nu))
-///   contact   T_c = 2.87 (m*^2 / (R* E*^2 v))^(1/5)                              v = tip speed, elastic Hertz
+///   contact   T_c = 2.87 (m*^2 / (R* E*^2 v))^(1/5)                              v = impact speed, elastic Hertz
 ///   overlap   d   = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)                         elastic: restitution below 1 gives
 ///   less
 ///
@@ -20,7 +20,7 @@ namespace granary::dem {
 struct TimeStepFigures {
   double time_step = 0.0;                            ///< [s]
   double smallest_diameter = 0.0;                    ///< of the population and the feed [m]
-  double impact_speed = 0.0;                         ///< tip speed [m/s]
+  double impact_speed = 0.0;                         ///< measured, else the tip speed [m/s]
   double rayleigh_time = 0.0, rayleigh_share = 0.0;  ///< [s], [-]
   double contact_time = 0.0, contact_share = 0.0;    ///< [s], [-]
   double impact_overlap = 0.0;                       ///< over the particle's radius [-]

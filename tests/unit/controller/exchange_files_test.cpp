@@ -130,5 +130,20 @@ TEST_F(ExchangeFiles, NameFileAndLineOfATallyThatWasCut) {
   EXPECT_THAT(read_tallies(file).error().message, HasSubstr("is empty"));
 }
 
+TEST_F(ExchangeFiles, TellsTheSpeedThatOneContactInAThousandExceeds) {
+  const auto fastest = [&](const std::string& collisions, const std::string& impacts) {
+    std::ofstream(folder_ / "tallies.jsonl") << R"({"speed_edges_m_s": [0.1, 1, 10, 20, 40]})"
+                                             << "\n{\"collision_speed\": {\"histogram\": [" << collisions
+                                             << "]}, \"impact_speed\": {\"histogram\": [" << impacts << "]}}\n";
+    return fastest_contacts(folder_ / "tallies.jsonl").value();
+  };
+
+  EXPECT_EQ(fastest("1000, 0, 0, 0", "990, 8, 2, 0"), 10.0);
+  EXPECT_EQ(fastest("1000, 0, 0, 0", "980, 8, 10, 2"), 20.0);
+  EXPECT_EQ(fastest("1000, 0, 0, 5", "1000, 0, 0, 0"), 40.0);
+  EXPECT_EQ(fastest("100, 0, 0, 5", "100, 0, 0, 0"), 0.0) << "too few to tell";
+  EXPECT_THAT(fastest_contacts(folder_ / "nothing.jsonl").error().message, HasSubstr("nothing.jsonl"));
+}
+
 }  // namespace
 }  // namespace granary::coupling
