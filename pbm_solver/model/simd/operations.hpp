@@ -25,10 +25,10 @@ struct GroupView {
 /// Pairs in the order of the double loop: rows i1 >= i2; within them each j with its partners j' <= j of row i2, then
 /// with those j' < j of row i1.
 struct PairView {
-  const int* row_cell = nullptr;     ///< destination row of (i1, i2), n1 for above the grid, shape (n1, n1)
-  const int* columns = nullptr;      ///< of each j: how many ranges of partners, and (first, last, cell) of each
-  const int* leaving = nullptr;      ///< of each j: its first partner whose sum with it is above the grid; beyond j: none
-  const double* beta = nullptr;      ///< [pair][W]
+  const int* row_cell = nullptr;  ///< destination row of (i1, i2), n1 for above the grid, shape (n1, n1)
+  const int* columns = nullptr;   ///< of each j: how many ranges of partners, and (first, last, cell) of each
+  const int* leaving = nullptr;   ///< of each j: its first partner whose sum with it is above the grid; beyond j: none
+  const double* beta = nullptr;   ///< [pair][W]
   const long* first_pair = nullptr;  ///< of (i1, i2) with i2 <= i1, shape (n1, n1)
 };
 
