@@ -118,18 +118,5 @@ TEST(Wall, SaysWhatIsWrongWithItsArguments) {
   }
 }
 
-TEST(Wall, RefusesATimeStepInWhichABladeCouldPassAParticle) {
-  const Folder folder;
-  folder.write("paddle.stl", stl(paddle()));
-  // Tip at 50 mm, 5 us, smallest radius 1.5 mm: 3000 rad/s take it half a radius a step.
-  const auto with_rate = [&](const std::string& rate) {
-    return run_deck(folder, deck({}) + before_the_paddle() +
-                                ours("mesh part paddle.stl rotate part 0 0 0 0 0 1 rad/s " + rate) + "run 0\n");
-  };
-  EXPECT_EQ(with_rate("2990"), 0) << folder.read("err");
-  EXPECT_EQ(with_rate("-3010"), 2);
-  EXPECT_NE(folder.read("err").find("body 'part'"), std::string::npos) << folder.read("err");
-}
-
 }  // namespace
 }  // namespace granary::dem::test

@@ -173,12 +173,13 @@ void FixWall::refuse_if_passed(std::size_t b, int i, const Vector3& here) {
   const Vector3 before = watches_[b].last_place(static_cast<std::size_t>(i));
   if (!body.surface->between(before, here)) return;
   const double speed = norm(body.turn.to_body(vector_of(atom->v[i])) - body.velocity_at(here));
-  error->one(FLERR, fmt::format("fix {} (granary/wall): at step {} particle {} has gone through body '{}' without "
-                                "touching it: it moves {:.3g} m a step towards it, its radius is {:.3g} m. Take a time "
-                                "step below {:.3g} s. See docs/dem_styles.md.",
-                                id, update->ntimestep, atom->tag[i], body.name, speed * update->dt, atom->radius[i],
-                                0.5 * atom->radius[i] / speed)
-                        .c_str());
+  error->one(FLERR,
+             fmt::format("fix {} (granary/wall): at step {} particle {} has gone through body '{}' within a step: "
+                         "it moves {:.3g} m towards it in one, its radius is {:.3g} m. Take a time "
+                         "step below {:.3g} s. See docs/dem_styles.md.",
+                         id, update->ntimestep, atom->tag[i], body.name, speed * update->dt, atom->radius[i],
+                         0.5 * atom->radius[i] / speed)
+                 .c_str());
 }
 
 void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {

@@ -83,7 +83,7 @@ class FixWall : public LAMMPS_NS::Fix {
   void push(bool frozen);
   /// Of one body on one particle that is at `here` in the body's frame and touches it as found_ says.
   void push(std::size_t body, int particle, const Vector3& here, bool frozen);
-  /// Ends the run if the particle has come to the other side of the surface without having touched it.
+  /// Ends the run if the particle has leapt to the other side of the surface.
   void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
   void forget_looks(int particle);
 

@@ -11,12 +11,12 @@ void Watch::looked(std::size_t particle, const Vector3& here, double radius, dou
       8.0 * std::numeric_limits<float>::epsilon() * (std::abs(here[0]) + std::abs(here[1]) + std::abs(here[2]) + clear);
   const double room = std::max(0.0, clear - radius - rounding);
   looks_[particle] = {static_cast<float>(here[0]), static_cast<float>(here[1]), static_cast<float>(here[2]),
-                      static_cast<float>(room * room * (1.0 - 1e-6))};
+                      static_cast<float>(room * room * (1.0 - 1e-6)), static_cast<float>(clear)};
 }
 
 bool Watch::may_have_passed(std::size_t particle, const Vector3& here, double radius) const {
-  const double room2 = looks_[particle].room2;
-  return room2 > 0.0 && norm(here - last_place(particle)) > std::sqrt(room2) + radius;
+  const double clear = looks_[particle].clear;
+  return clear > 0.0 && norm(here - last_place(particle)) > std::max(clear, 0.5 * radius);
 }
 
 Vector3 Watch::last_place(std::size_t particle) const {

@@ -31,7 +31,7 @@ class Watch {
 
   /// here: the centre in the body's frame; clear: the distance that the surface keeps from there at least [m].
   void looked(std::size_t particle, const Vector3& here, double radius, double clear);
-  /// Whether its centre can have come through the surface since it was last looked at, if it did not touch then.
+  /// Whether its centre can have come through the surface since it was last looked at, by leaps of half a radius.
   bool may_have_passed(std::size_t particle, const Vector3& here, double radius) const;
   Vector3 last_place(std::size_t particle) const;
 
@@ -42,7 +42,8 @@ class Watch {
   /// Single precision halves what must be read each step; the room is kept smaller by more than that can be wrong.
   struct Look {
     float x = 0.0f, y = 0.0f, z = 0.0f;  ///< of the centre, in the body's frame
-    float room2 = 0.0f;                  ///< it may move by the root of this [m^2]
+    float room2 = 0.0f;                  ///< it may move by the root of this [m^2]; not above 0: due
+    float clear = 0.0f;                  ///< distance of the surface then, at least; 0: not looked at yet [m]
   };
 
   std::vector<Look> looks_;
