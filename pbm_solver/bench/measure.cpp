@@ -35,7 +35,8 @@ std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int r
   std::vector<std::vector<double>> seconds(contenders.size());
   std::vector<int> evaluations, most_rounds;
   for (std::size_t c = 0; c < contenders.size(); ++c) {
-    const double first = std::max(sample(contenders[c], 1), 1e-9);
+    double first = std::max(sample(contenders[c], 1), 1e-9);
+    if (first < least_sample) first = std::max(sample(contenders[c], 1), 1e-9);  // the very first pays for its memory
     evaluations.push_back(static_cast<int>(std::ceil(std::max(least_sample / first, 1.0))));
     most_rounds.push_back(
         static_cast<int>(std::min<double>(rounds, contenders[c].most_cpu / (first * evaluations[c]))));
