@@ -177,6 +177,7 @@ bool Scheduler::start_first() {
       start_on(task, parts);
       return true;
     }
+    if (start_elsewhere(task)) return true;
   } else if (const auto parts = places(*first, resources_.spare_idle(), resources_.spare(), false)) {
     start_on(task, *parts);
     return true;
@@ -360,9 +361,7 @@ void Scheduler::reserve_for(const Task& task) {
     reservation.start = std::max(reservation.start, found->at);
     found->node = -1;
   }
-  for (const Reservation::Part& part : reservation.parts)
-    resources_.reserve(part.node, part.cores, layout.memory * part.cores);
-  reservation_ = std::move(reservation);
+  promise(std::move(reservation), layout);
 }
 
 /// A node that is still busy is given up for one that has become free elsewhere.
@@ -379,6 +378,30 @@ void Scheduler::improve_reservation() {
     part.node = other->front().node;
     resources_.reserve(part.node, part.cores, layout.memory * part.cores);
   }
+}
+
+/// Starts the task the reservation is for if it fits otherwise: on other nodes, or on its own in other roles.
+bool Scheduler::start_elsewhere(const Task& task) {
+  const Layout& layout = ready_.layout(task.id);
+  const auto at_most = [this](int cores) {
+    const auto c = static_cast<std::size_t>(cores);
+    return resources_.spare().at_least()[c] + resources_.reserved_all().at_least()[c];
+  };
+  if (at_most(layout.large) < layout.n_large || at_most(layout.small) < layout.nodes) return false;
+  Reservation kept = *reservation_;
+  drop_reservation();
+  if (const auto parts = places(task.id, resources_.spare_idle(), resources_.spare(), false)) {
+    start_on(task, *parts);
+    return true;
+  }
+  promise(std::move(kept), layout);
+  return false;
+}
+
+void Scheduler::promise(Reservation reservation, const Layout& layout) {
+  for (const Reservation::Part& part : reservation.parts)
+    resources_.reserve(part.node, part.cores, layout.memory * part.cores);
+  reservation_ = std::move(reservation);
 }
 
 bool Scheduler::reservation_is_complete() const {

@@ -99,7 +99,9 @@ class Scheduler {
   void book(const Task& task, const CoreSet& cores);
 
   void reserve_for(const Task& task);
+  void promise(Reservation reservation, const Layout& layout);
   void improve_reservation();
+  bool start_elsewhere(const Task& task);
   bool reservation_is_complete() const;
   void drop_reservation();
 
