@@ -74,11 +74,16 @@ struct NodeBlock::State {
     return argv;
   }
 
-  /// The node's agent and its guardian are gone. If the node is not, Slurm can start another one.
+  /// What starts one node's agent.
+  std::vector<std::string> starter_of(int node) const {
+    const std::string& name = launcher->machine().nodes[static_cast<std::size_t>(node)].name;
+    if (job) return srun(1, name);
+    return {agent_program(), dir.string(), name};
+  }
+
+  /// The node's agent and its guardian are gone. If the node is not, another one can be started.
   void revive(int node) {
-    if (!job) return;
-    if (const Status started = start(srun(1, job->machine.nodes[static_cast<std::size_t>(node)].name)); !started)
-      log::warning("pilot", started.error().message);
+    if (const Status started = start(starter_of(node)); !started) log::warning("pilot", started.error().message);
     retries[node] = loop.after(kRetryEvery, [this, node] { revive(node); });
   }
 
@@ -123,7 +128,7 @@ Result<std::unique_ptr<NodeBlock>> NodeBlock::of_virtual_nodes(RealLoop& loop, c
   GRANARY_TRY(state->launcher, AgentLauncher::listen(loop, dir, machine, "127.0.0.1"));
   std::unique_ptr<NodeBlock> block(new NodeBlock(std::move(state)));
   State& s = *block->state_;
-  for (const Node& node : machine.nodes) GRANARY_CHECK(s.start({s.agent_program(), dir.string(), node.name}));
+  for (int node = 0; node < nodes; ++node) GRANARY_CHECK(s.start(s.starter_of(node)));
   GRANARY_CHECK(s.await_agents());
   return block;
 }
