@@ -6,48 +6,16 @@
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
+#include "controller/commands/past.hpp"
 #include "controller/commands/slurm_queue.hpp"
-#include "controller/coupling/update.hpp"
+#include "controller/commands/status.hpp"
 #include "controller/report/report.hpp"
-#include "controller/run/file_handover.hpp"
 #include "pilot/control/control.hpp"
-#include "pilot/launch/simulated_launcher.hpp"
-#include "pilot/loop/virtual_loop.hpp"
-#include "pilot/pilot.hpp"
 
 namespace granary::commands {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A campaign whose pilot is not alive, as its journal tells it. Nothing is started or written: the journal is a copy
-/// in memory.
-struct Past {
-  pilot::VirtualLoop loop;
-  pilot::Journal journal = pilot::Journal::in_memory();
-  pilot::SimulatedLauncher launcher{loop, [](const pilot::TaskSpec&) { return pilot::SimulatedRun{}; }};
-  std::unique_ptr<pilot::Pilot> pilot;
-  campaign::Campaign campaign;
-  coupling::State coupling;
-};
-
-Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
-  if (!fs::exists(dir / "journal.jsonl"))
-    return Error{fmt::format("{}: no campaign is there (no journal.jsonl).", dir.string())};
-  GRANARY_TRY(pilot::Journal journal, pilot::Journal::copy_of(dir / "journal.jsonl"));
-  auto past = std::make_unique<Past>();
-  GRANARY_TRY(past->campaign, campaign::read_written_campaign(dir / "campaign.json"));
-  const campaign::Campaign& campaign = past->campaign;
-  const auto settings = run::coupling_settings(campaign);
-  past->journal = std::move(journal);
-  for (const pilot::Record& record : past->journal.records("coupling.event")) {
-    GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
-    past->coupling = coupling::update(past->coupling, event, settings).next;
-  }
-  const auto machine = pilot::stated_machine(campaign.resources.nodes, campaign.resources.cores.value_or(1024));
-  GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));
-  return past;
-}
 
 /// Whether a campaign that nobody works on has anything left to do.
 bool can_go_on(const json::Value& status) {
@@ -85,21 +53,9 @@ Result<Exit> validate(const std::vector<fs::path>& workflows, const std::vector<
 }
 
 Result<Exit> status(const fs::path& dir, bool json) {
-  const bool alive = pilot::pilot_is_alive(dir);
-  json::Value status;
-  if (!alive && fs::exists(dir / "campaign.json") && !fs::exists(dir / "journal.jsonl")) {
-    status = json::Value::object({{"counts", json::Value::object()}});  // submitted, and not begun
-  } else if (alive) {
-    GRANARY_TRY(status, pilot::ask_pilot(dir, json::Value::object({{"ask", "status"}})));
-  } else {
-    GRANARY_TRY(const auto past, past_of(dir));
-    status = past->pilot->status();
-    if (past->campaign.kind == campaign::Kind::coupled) status.set("coupling", coupling::to_json(past->coupling));
-  }
-  status.set("alive", alive);
-  json::Value jobs = json::Value::array();
-  for (const QueuedJob& job : queued_jobs(dir))
-    jobs.push(json::Value::object({{"job", job.id}, {"state", job.state}, {"reason", job.reason}}));
+  GRANARY_TRY(json::Value status, campaign_status(dir));
+  const bool alive = status["alive"].as_bool();
+  const json::Value jobs = queue_status(dir);
   if (jobs.size() > 0) status.set("jobs", jobs);
   if (json) {
     fmt::print("{}\n", json::dump(status, 1));

@@ -23,13 +23,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::string kind_of(const std::string& task) {
-  if (task.find("-monitor") != std::string::npos) return "monitor";
-  if (task.find("-dem") != std::string::npos) return "dem";
-  if (task.find("-pbm") != std::string::npos) return "pbm";
-  return "other";
-}
-
 fs::path folder_of(const fs::path& dir, const coupling::BurstId& burst) { return dir / "bursts" / burst.folder(); }
 
 std::int64_t number_of(const BurstRecord& record) { return record.burst.round; }
@@ -316,7 +309,7 @@ Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHa
 
   for (const pilot::Interval& interval : record.timeline)
     results.timeline.push_back({interval.name,
-                                interval.fill ? "estimation" : kind_of(interval.name),
+                                kind_of_task(interval.name, interval.fill),
                                 interval.attempt,
                                 {interval.cores.begin(), interval.cores.end()},
                                 interval.start,

@@ -42,5 +42,7 @@ class Handover {
 /// Names of a burst's tasks: "0001-dem", "0001-dem-monitor"; a further attempt adds ".2".
 std::string program_name(const coupling::BurstId& burst, int attempt);
 std::string monitor_name(const coupling::BurstId& burst, int attempt);
+/// What a task does for the campaign, by its name: dem, pbm, monitor, estimation (every filler) or other.
+std::string kind_of_task(const std::string& name, bool fill);
 
 }  // namespace granary::run
