@@ -190,7 +190,10 @@ struct Pilot::State {
 
   Status keep_earlier_attempt(const Task& task) {
     if (task.attempts.size() < 2) return {};
-    return launcher.set_aside(launch_of(task, task.attempts[task.attempts.size() - 2]), owns_folder(task));
+    Launch earlier = launch_of(task, task.attempts[task.attempts.size() - 2]);
+    // What goes on where it was finds its files in their places; only its output is kept apart.
+    if (task.spec.resumable) earlier.spec.produces.clear();
+    return launcher.set_aside(earlier, !task.spec.resumable && owns_folder(task));
   }
 
   void act(const AskToEnd& ask) { launcher.signal(ask.attempt, ask.signal); }
