@@ -21,6 +21,7 @@ Examples:
   granary run workflows/quick.json                      run here, in runs/quick
   granary run workflows/cm5.json --dry-run --nodes 4 --cores 64
   granary run workflows/quick.json --set /pbm/bins=[32,32] --set '/machine/impeller_speed="1500 rpm"'
+  granary watch runs/quick       granary serve runs/quick
   granary status runs/quick      granary stop runs/quick      granary resume runs/quick
 
 Exit codes: 0 done, 2 bad input, 3 a task failed for good, 4 stopped and resumable, 70 our own fault.)";
@@ -76,6 +77,14 @@ int main(int argc, char** argv) {
   on_folder("status", "What runs, what waits, what has ended", [&] {
     return commands::status(dir, options.json);
   })->add_flag("--json", options.json, "Print one JSON document");
+  on_folder("watch", "See it live: on a terminal a picture, else lines; ends with the campaign, with its exit code",
+            [&] { return commands::watch(dir); });
+  std::string address = "127.0.0.1";
+  int port = 0;
+  auto* serve = on_folder("serve", "The same as a web page of this machine; prints its address",
+                          [&] { return commands::serve(dir, address, port); });
+  serve->add_option("--port", port, "Port (default: one that is free)")->check(CLI::Range(0, 65535));
+  serve->add_option("--address", address, "Listen on this address; without TLS, so others than loopback let it be read");
   on_folder("stop", "End a running campaign gracefully, to be resumed", [&] { return commands::stop(dir); });
   auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash",
                            [&] { return commands::resume(dir, options.json, options.quiet, options.virtual_nodes); });
@@ -106,6 +115,35 @@ int main(int argc, char** argv) {
   bench_pbm->add_flag("--json", bench_options.json, "Print one JSON document on stdout and nothing else");
   bench_pbm->add_option("--plot", bench_options.plot, "Draw error against CPU time into this SVG file");
   bench_pbm->callback([&] { chosen = [&] { return commands::bench_pbm(bench_options); }; });
+
+  commands::PilotBenchOptions pilot_options;
+  auto* bench_pilot =
+      bench->add_subcommand("pilot", "The pilot on this machine, and simulated at scale (docs/pilot.md)");
+  bench_pilot->footer(
+      "\nExamples:\n  granary bench pilot                all of it: some 2 minutes\n"
+      "  granary bench pilot --quick --json\n"
+      "  granary bench pilot --simulate nodes=10000,cores=64,tasks=1000000   only the simulation, no process is "
+      "started");
+  bench_pilot->add_flag("--quick", pilot_options.quick, "Some 15 s: fewer tasks, shorter runs");
+  bench_pilot->add_flag("--json", pilot_options.json, "Print one JSON document on stdout and nothing else");
+  bench_pilot->add_option("--cores", pilot_options.cores, "Cores to use (default: all)")->check(CLI::PositiveNumber);
+  bench_pilot->add_option("--simulate", pilot_options.simulate, "Only simulate: nodes=N,cores=C,tasks=T");
+  bench_pilot->add_option("--dir", pilot_options.dir, "Folder to work in (default: that for temporary files)");
+  bench_pilot->callback([&] { chosen = [&] { return commands::bench_pilot(pilot_options); }; });
+
+  commands::DemBenchOptions dem_options;
+  auto* bench_dem = bench->add_subcommand("dem", "granary-dem beside stock LIGGGHTS (docs/dem_bench.md)");
+  bench_dem->footer(
+      "\nExamples:\n  granary bench dem                              all of it: some 7 minutes\n"
+      "  granary bench dem --effort quick --only speed  ratios, with few repeats\n"
+      "  granary bench dem --json --plot docs/images    for the docs: figures and both plots");
+  bench_dem->add_option("--effort", dem_options.effort, "quick (some 3 minutes), usual or full (an hour)")
+      ->check(CLI::IsMember({"quick", "usual", "full"}));
+  bench_dem->add_option("--only", dem_options.only, "Only this part (may be repeated)")
+      ->check(CLI::IsMember({"speed", "overheads", "comparison", "choices"}));
+  bench_dem->add_flag("--json", dem_options.json, "Print one JSON document on stdout and nothing else");
+  bench_dem->add_option("--plot", dem_options.plot, "Draw dem_speed.svg and dem_choices.svg into this folder");
+  bench_dem->callback([&] { chosen = [&] { return commands::bench_dem(dem_options); }; });
 
   try {
     app.parse(argc, argv);

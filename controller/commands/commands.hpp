@@ -28,6 +28,21 @@ struct BenchOptions {
   std::filesystem::path plot;  ///< the work-precision plot, an SVG file; empty: none
 };
 
+struct PilotBenchOptions {
+  bool quick = false;  ///< some 15 s
+  bool json = false;
+  int cores = 0;              ///< 0: all
+  std::string simulate;       ///< only this simulation: "nodes=10000,cores=64,tasks=1000000"
+  std::filesystem::path dir;  ///< where to work; empty: the system's folder for temporary files
+};
+
+struct DemBenchOptions {
+  std::string effort = "usual";  ///< quick, usual, full
+  bool json = false;
+  std::vector<std::string> only;  ///< parts: speed, overheads, comparison, choices; empty: all
+  std::filesystem::path plot;     ///< folder for dem_speed.svg and dem_choices.svg; empty: none
+};
+
 Result<Exit> run(const RunOptions& options);
 Result<Exit> dry_run(const RunOptions& options);
 Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet, int virtual_nodes);
@@ -38,11 +53,17 @@ std::filesystem::path run_folder(const std::filesystem::path& given, const std::
 
 Result<Exit> validate(const std::vector<std::filesystem::path>& workflows, const std::vector<std::string>& overrides);
 Result<Exit> status(const std::filesystem::path& dir, bool json);
+/// Shows a campaign live until it has ended: the exit code is its own; ok if the user leaves before.
+Result<Exit> watch(const std::filesystem::path& dir);
+/// The same as a web page, until Ctrl-C. `port` 0: any.
+Result<Exit> serve(const std::filesystem::path& dir, const std::string& address, int port);
 Result<Exit> stop(const std::filesystem::path& dir);
 Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
 /// Queues the tasks of a file with the pilot that lives on `dir`; prints their names.
 Result<Exit> submit_tasks(const std::filesystem::path& dir, const std::filesystem::path& file);
 Result<Exit> report(const std::filesystem::path& dir);
+Result<Exit> bench_pilot(const PilotBenchOptions& options);
 Result<Exit> bench_pbm(const BenchOptions& options);
+Result<Exit> bench_dem(const DemBenchOptions& options);
 
 }  // namespace granary::commands

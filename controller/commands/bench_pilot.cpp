@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+#include <stdlib.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "common/json/io.hpp"
+#include "controller/bench/pilot_local.hpp"
+#include "controller/bench/pilot_simulation.hpp"
+#include "controller/bench/pilot_table.hpp"
+#include "controller/commands/commands.hpp"
+
+namespace granary::commands {
+namespace fs = std::filesystem;
+using json::Value;
+
+namespace {
+
+/// A folder that goes with us.
+class Scratch {
+ public:
+  static Result<Scratch> make(const fs::path& below) {
+    std::string path = (below / "granary-bench-XXXXXX").string();
+    if (mkdtemp(path.data()) == nullptr)
+      return Error{
+          fmt::format("{}: no folder can be made here for the bench. Give another one: --dir.", below.string())};
+    return Scratch(path);
+  }
+  Scratch(Scratch&& other) noexcept : dir_(std::move(other.dir_)) { other.dir_.clear(); }
+  Scratch& operator=(Scratch&&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    if (!dir_.empty()) fs::remove_all(dir_, ignored);
+  }
+  const fs::path& dir() const { return dir_; }
+
+ private:
+  explicit Scratch(fs::path dir) : dir_(std::move(dir)) {}
+  fs::path dir_;
+};
+
+Value as_json(const bench::SimulationRun& run) {
+  return Value::object({{"nodes", run.size.nodes},
+                        {"cores", run.size.cores},
+                        {"tasks", run.size.tasks},
+                        {"finished", run.finished},
+                        {"submit_s", run.submit_s},
+                        {"run_s", run.run_s},
+                        {"cpu_s", run.cpu_s},
+                        {"placements_per_s", run.placements_per_s()},
+                        {"cost_per_task_s", run.cost_per_task()},
+                        {"bytes_per_task", run.bytes_per_task},
+                        {"journal_bytes_per_task", run.journal_bytes / run.size.tasks},
+                        {"makespan_s", run.makespan},
+                        {"lower_bound_s", run.lower_bound},
+                        {"core_use", run.core_use}});
+}
+
+/// The asked size, and before it smaller ones of the same shape: tasks and nodes ten times fewer each.
+Result<Value> simulate(const bench::SimulationSize& size, const fs::path& dir,
+                       const std::function<void(const std::string&)>& say) {
+  std::vector<bench::SimulationSize> sizes{size};
+  while (sizes.back().tasks >= 10'000)
+    sizes.push_back({std::max(1, sizes.back().nodes / 10), size.cores, sizes.back().tasks / 10});
+  Value rows = Value::array();
+  double cheapest = 0.0, dearest = 0.0;
+  for (auto each = sizes.rbegin(); each != sizes.rend(); ++each) {
+    say(fmt::format("simulate {} tasks on {} nodes x {} cores", each->tasks, each->nodes, each->cores));
+    GRANARY_TRY(const bench::SimulationRun run, bench::simulate_pilot(*each, dir));
+    rows.push(as_json(run));
+    const double cost = run.cost_per_task();
+    cheapest = cheapest == 0.0 ? cost : std::min(cheapest, cost);
+    dearest = std::max(dearest, cost);
+  }
+  const Value& last = rows.items().back();
+  Value document = Value::object({{"placements_per_s", last["placements_per_s"]},
+                                  {"bytes_per_task", last["bytes_per_task"]},
+                                  {"core_use", last["core_use"]},
+                                  {"lower_bound", last["lower_bound_s"]},
+                                  {"makespan", last["makespan_s"]},
+                                  {"cost_growth", dearest / cheapest}});
+  document.set("scaling", std::move(rows));
+  return document;
+}
+
+}  // namespace
+
+Result<Exit> bench_pilot(const PilotBenchOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto say = [began](const std::string& what) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    fmt::print(stderr, "bench pilot: {:6.1f} s  {}\n", seconds, what);
+  };
+  bench::SimulationSize size{10'000, 64, options.quick ? 10'000 : 1'000'000};
+  if (!options.simulate.empty()) {
+    GRANARY_TRY(size, bench::parse_simulation_size(options.simulate));
+  }
+  const fs::path below = options.dir.empty() ? fs::temp_directory_path() : options.dir;
+  GRANARY_TRY(const Scratch scratch, Scratch::make(below));
+  Value document = Value::object();
+  if (options.simulate.empty()) {
+    bench::LocalBench local{scratch.dir(), options.cores};
+    if (options.quick) {
+      local.tasks = 1000;
+      local.seconds = 1.0;
+    }
+    GRANARY_TRY(document, bench::run_local_pilot_bench(local, say));
+    document.set("slurm", Value()).set("slurm_why", "measured inside a job of Slurm only: docs/slurm.md");
+  }
+  GRANARY_TRY(Value simulated, simulate(size, scratch.dir(), say));
+  document.set("simulate", std::move(simulated));
+  say("done");
+  fmt::print("{}\n", options.json ? json::dump(document, 1) : bench::pilot_table(document));
+  return Exit::ok;
+}
+
+}  // namespace granary::commands
