@@ -6,10 +6,9 @@
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
+#include "controller/bench/effort.hpp"
 
 namespace granary::bench {
-
-enum class Effort { quick, usual, full };
 
 /// All parts, one after the other: nothing else of ours runs meanwhile. `say` hears what is done now.
 /// Where the machine has one core, or no mpirun, the efficiencies are null and `..._why` says so.

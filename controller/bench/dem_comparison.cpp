@@ -1,0 +1,97 @@
+#include "controller/bench/dem_comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "controller/bench/dem_cases.hpp"
+#include "controller/bench/dem_run.hpp"
+#include "controller/bench/dem_tallied.hpp"
+
+namespace granary::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using json::Value;
+
+constexpr double kChance = 1e-3;  // of a false alarm in a comparison
+
+struct ComparedCase {
+  std::string name;
+  dem::DemCase dem;
+  int turns;  ///< measured
+};
+
+std::vector<ComparedCase> compared_cases(Effort effort) {
+  dem::DemCase mixer = working_mixer({{0.003, 500}, {0.004, 450}, {0.005, 250}});
+  dem::DemCase bowl = bowl_case({{0.0025, 350}, {0.003, 300}, {0.004, 150}});
+  mixer.time_step = 8e-6;
+  bowl.time_step = 8e-6;
+  mixer.settle_time = bowl.settle_time = 0.1;
+  const int turns = by_effort(effort, 3, 5, 10);
+  return {{"cm5, 15 kg/h, 2000 rpm", mixer, turns}, {"batch bowl, 1200 rpm, chopper 3000 rpm", bowl, turns}};
+}
+
+}  // namespace
+
+std::size_t Comparison::freedom() const {
+  if (all.empty()) return 0;
+  const auto of = [](const Estimate& e) {
+    return e.runs > 1 ? e.batches - e.batches / e.runs : e.batches - std::min<std::size_t>(1, e.batches);
+  };
+  return of(all.front().a) + of(all.front().b);
+}
+
+const Difference& Comparison::worst() const {
+  static const Difference none;
+  const auto found = std::max_element(all.begin(), all.end(), [](const Difference& x, const Difference& y) {
+    return std::abs(x.z()) < std::abs(y.z());
+  });
+  return found != all.end() ? *found : none;
+}
+
+Result<Comparison> compare_walls(const dem::DemCase& asked, int seeds, const fs::path& scratch,
+                                 const std::vector<std::string>& only) {
+  std::array<std::vector<std::vector<Value>>, 2> windows;
+  for (auto& of_kind : windows) of_kind.resize(static_cast<std::size_t>(seeds));
+  GRANARY_CHECK(at_once(2 * static_cast<std::size_t>(seeds), [&](std::size_t k) -> Status {
+    dem::DemCase c = asked;
+    // Stock walls first, as they take longest.
+    const std::size_t kind = k < static_cast<std::size_t>(seeds) ? 0 : 1, seed = k % static_cast<std::size_t>(seeds);
+    c.walls = kind == 0 ? dem::Walls::stock : dem::Walls::granary;
+    c.seed = asked.seed + 7919 * static_cast<long>(k);  // both kinds independent of each other as well
+    GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("{}-{}-{}", asked.name, kind, seed)));
+    windows[kind][seed] = std::move(burst.windows);
+    return {};
+  }));
+  Comparison comparison{differences(quantities(windows[0], 1), quantities(windows[1], 1))};
+  if (!only.empty())
+    std::erase_if(comparison.all,
+                  [&](const Difference& d) { return std::find(only.begin(), only.end(), d.name) == only.end(); });
+  return comparison;
+}
+
+Result<Value> comparison_rows(Effort effort, const fs::path& scratch, const Say& say) {
+  Value rows = Value::array();
+  const int seeds = by_effort(effort, 2, 4, 8);
+  for (ComparedCase& one : compared_cases(effort)) {
+    say(fmt::format("{}: rates and speeds with stock walls and with ours, {} seeds each", one.name, seeds));
+    one.dem.duration = one.turns * turn_of(one.dem);
+    GRANARY_TRY(const Comparison compared, compare_walls(one.dem, seeds, scratch));
+    const double allowed = compared.allowed_z(kChance);
+    rows.push(Value::object({{"case", one.name},
+                             {"seeds", seeds},
+                             {"measured_s_each", one.dem.duration},
+                             {"batch_s", one.dem.tally.window},
+                             {"largest_z", std::abs(compared.worst().z())},
+                             {"largest_z_of", compared.worst().name},
+                             {"allowed_z", allowed},
+                             {"agree", std::abs(compared.worst().z()) <= allowed},
+                             {"quantities", to_json(compared.all)}}));
+  }
+  return rows;
+}
+
+}  // namespace granary::bench
