@@ -39,6 +39,7 @@ struct TouchHistory {
 struct WallForce {
   Vector3 force{}, torque{};  ///< on the particle, about its centre [N], [N m]
   double normal_force = 0.0;  ///< spring and dashpot [N]
+  Vector3 slip{};             ///< velocity of the particle's surface over the wall's [m/s]
 };
 
 /// Hertz spring and dashpot, Mindlin's tangential spring with history (rotated into the present tangential plane),
@@ -51,7 +52,7 @@ struct WallForce {
 /// One thing differs from wall/gran: rolling resistance goes by the spin relative to the wall's (as between two
 /// particles), where wall/gran takes the particle's own. frozen: the history is used, not advanced (setup).
 /// Source: LIGGGHTS manual, pages gran_model_hertz, gran_tangential_history, gran_rolling_friction_*,
-/// gran_cohesion_sjkr; held against LIGGGHTS itself in plugin_wall_test.cpp.
+/// gran_cohesion_sjkr; held against LIGGGHTS itself in plugin_wall_law_test.cpp.
 inline WallForce wall_force(const WallMaterial& material, RollingModel rolling, const WallApproach& a, double time_step,
                             bool frozen, TouchHistory& history) {
   const double kSqrtFiveSixths = 0.91287092917527685576;
@@ -85,6 +86,7 @@ inline WallForce wall_force(const WallMaterial& material, RollingModel rolling, 
 
   WallForce result;
   result.normal_force = normal_force;
+  result.slip = slip;
   const double cohesion = material.cohesion * M_PI * (a.radius * a.radius - distance * distance);
   result.force = (normal_force - cohesion) * a.normal + tangential;
   result.torque = -arm * cross(a.normal, tangential);

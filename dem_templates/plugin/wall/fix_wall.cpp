@@ -17,8 +17,10 @@
 #include <modify.h>
 #include <update.h>
 
+#include "common/files.hpp"
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
+#include "dem_templates/plugin/wall/time_step_limits.hpp"
 #include "dem_templates/plugin/wall/wall_state.hpp"
 
 namespace granary::dem {
@@ -41,6 +43,9 @@ FixWall::FixWall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, 
   bodies_ = std::move(settings.bodies);
   watches_.resize(bodies_.size());
   sums_.assign(bodies_.size(), {});
+  wear_settings_ = settings.wear;
+  if (wear_settings_.on())
+    for (const WallBody& body : bodies_) wear_.emplace_back(body.surface->n_parts());
 
   vector_flag = 1;
   size_vector = static_cast<int>(bodies_.size() * kSums);
@@ -59,7 +64,7 @@ FixWall::~FixWall() {
   atom->delete_callback(id, 1);
 }
 
-int FixWall::setmask() { return LAMMPS_NS::FixConst::POST_FORCE; }
+int FixWall::setmask() { return LAMMPS_NS::FixConst::POST_FORCE | LAMMPS_NS::FixConst::POST_RUN; }
 
 void FixWall::init() {
   const std::string place = "fix " + std::string(id) + " (granary/wall): ";
@@ -73,33 +78,18 @@ void FixWall::init() {
   for (WallBody& body : bodies_) body.start(static_cast<long>(update->ntimestep), update->dt);
 }
 
-// At half a radius a step the blade is seen at least once before it reaches a centre. A contact that takes fewer than
-// eight steps gains energy. Its time: Hertz' 2.94 d / v, d the overlap at which the spring has taken up m v^2 / 2.
 Status FixWall::check_time_step() const {
-  constexpr double kFewest = 8.0, kGood = 20.0;
   std::string problems;
   for (const WallBody& body : bodies_) {
     const double tip_speed = body.tip_speed();
     double smallest = std::numeric_limits<double>::infinity(), shortest = smallest;
     for (int i = 0; i < atom->nlocal; ++i) {
-      const double radius = atom->radius[i], speed = tip_speed + norm(vector_of(atom->v[i]));
+      const double speed = tip_speed + norm(vector_of(atom->v[i])), radius = atom->radius[i];
       const double young = materials_[static_cast<std::size_t>(atom->type[i])].young;
-      const double deepest =
-          std::pow(15.0 / 16.0 * atom->rmass[i] * speed * speed / (young * std::sqrt(radius)), 2.0 / 5.0);
       smallest = std::min(smallest, radius);
-      if (speed > 0.0) shortest = std::min(shortest, 2.94 * deepest / speed);
+      if (speed > 0.0) shortest = std::min(shortest, hertz_contact_time(young, radius, atom->rmass[i], speed));
     }
-    const double way = tip_speed * update->dt;
-    if (way > 0.5 * smallest)
-      problems += fmt::format(
-          "\n  body '{}' goes {:.3g} m a step at its tip; at most half the smallest particle's radius ({:.3g} m) lets "
-          "no particle slip through. Take a time step below {:.3g} s.",
-          body.name, way, 0.5 * smallest, 0.5 * smallest / way * update->dt);
-    if (update->dt > shortest / kFewest)
-      problems += fmt::format(
-          "\n  body '{}': the shortest contact lasts {:.3g} s by its stiffness and the speeds there are, {:.3g} time "
-          "steps. Take a time step below {:.3g} s, or a softer material.",
-          body.name, shortest, shortest / update->dt, shortest / kGood);
+    problems += time_step_problems(body, smallest, shortest, update->dt);
   }
   if (problems.empty()) return {};
   return Error{"fix " + std::string(id) + " (granary/wall): the time step is too long:" + problems +
@@ -139,7 +129,11 @@ void FixWall::setup(int) {
   for (Watch& watch : watches_) watch.forget_all();
   push(true);
 }
-void FixWall::post_force(int) { push(false); }
+void FixWall::post_force(int) {
+  push(false);
+  if (wear_settings_.every > 0 && update->ntimestep % wear_settings_.every == 0) write_wear();
+}
+void FixWall::post_run() { write_wear(); }
 
 void FixWall::turn_bodies() {
   for (WallBody& body : bodies_) body.turn_to(static_cast<long>(update->ntimestep));
@@ -209,7 +203,9 @@ void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
     now_.note(remembered);
     push = push + pushed.force;
     torque = torque + pushed.torque;
-    if (impact && &touch == found_.data()) {
+    const bool begins = impact && &touch == found_.data();
+    if (!wear_.empty() && !frozen) wear_off(b, touch, approach, pushed, begins);
+    if (begins) {
       const double speed = std::max(0.0, -dot(approach.velocity, approach.normal));
       sums[7] += 1.0;
       sums[8] += speed;
@@ -229,6 +225,40 @@ void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
   add(&sums[0], -1.0 * body.turn.to_lab(push));
   add(&sums[3], -1.0 * body.turn.to_lab(moment));
   sums[6] += dot(moment, wall_spin);
+}
+
+void FixWall::wear_off(std::size_t b, const SurfaceTouch& touch, const WallApproach& approach, const WallForce& pushed,
+                       bool impact) {
+  Wear& wear = wear_[b];
+  if (wear.by_sliding.empty()) return;  // no mesh
+  wear.by_sliding[touch.part] +=
+      archard_volume(wear_settings_.archard, pushed.normal_force, norm(pushed.slip) * update->dt);
+  if (impact)
+    wear.by_impacts[touch.part] += finnie_volume(wear_settings_.finnie, approach.mass, norm(approach.velocity),
+                                                 -dot(approach.velocity, approach.normal));
+}
+
+Wear FixWall::wear_of_all_ranks(std::size_t b) const {
+  Wear all(wear_[b].by_sliding.size());
+  const auto n = static_cast<int>(all.by_sliding.size());
+  MPI_Reduce(wear_[b].by_sliding.data(), all.by_sliding.data(), n, MPI_DOUBLE, MPI_SUM, 0, world);
+  MPI_Reduce(wear_[b].by_impacts.data(), all.by_impacts.data(), n, MPI_DOUBLE, MPI_SUM, 0, world);
+  return all;
+}
+
+void FixWall::write_wear() {
+  const auto step = static_cast<long>(update->ntimestep);
+  if (wear_.empty() || step == wear_written_) return;
+  wear_written_ = step;
+  Status written;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Wear wear = wear_of_all_ranks(b);
+    if (comm->me != 0 || wear.by_sliding.empty() || !written) continue;
+    const std::string& name = bodies_[b].name;
+    written = write_text_atomically(fmt::format("{}_{}_{}.vtk", wear_settings_.file, name, step),
+                                    wear_vtk(triangles(b), wear, fmt::format("wear of {} at step {}", name, step)));
+  }
+  end_if_failed(world, written);
 }
 
 double FixWall::compute_vector(int n) {
@@ -351,16 +381,20 @@ int FixWall::size_restart(int particle) {
 int FixWall::maxsize_restart() { return 1 + static_cast<int>(TouchBook::kMostPacked); }
 
 void FixWall::write_restart(FILE* file) {
+  std::vector<Wear> wear;
+  for (std::size_t b = 0; b < wear_.size(); ++b) wear.push_back(wear_of_all_ranks(b));
   if (comm->me != 0) return;
-  const std::string state = wall_state(bodies_);
+  const std::string state = wall_state(bodies_, wear);
   const int size = static_cast<int>(state.size() + 1);
   fwrite(&size, sizeof size, 1, file);
   fwrite(state.c_str(), 1, state.size() + 1, file);
 }
 
 void FixWall::restart(char* state) {
-  const Status same = set_wall_state(state, bodies_);
+  const Status same = set_wall_state(state, bodies_, wear_);
   if (!same) end_if_failed(world, Error{"fix " + std::string(id) + " (granary/wall): " + same.error().message});
+  if (comm->me != 0)
+    for (Wear& wear : wear_) wear = Wear(wear.by_sliding.size());  // rank 0 goes on with that of all
 }
 
 }  // namespace granary::dem

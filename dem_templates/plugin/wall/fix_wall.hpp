@@ -54,6 +54,7 @@ class FixWall : public LAMMPS_NS::Fix {
   void init() override;
   void setup(int) override;
   void post_force(int) override;
+  void post_run() override;
   /// Of body b, from 9 b on: force [N] and torque about its origin [N m] of the particles on it, power it gives them
   /// [W]; impacts that began since this fix was defined, on all ranks, and the sum of their normal speeds [m/s].
   double compute_vector(int n) override;
@@ -86,6 +87,12 @@ class FixWall : public LAMMPS_NS::Fix {
   /// Ends the run if the particle has leapt to the other side of the surface.
   void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
   void forget_looks(int particle);
+  /// Adds to the wear of the triangle that is touched.
+  void wear_off(std::size_t body, const SurfaceTouch& touch, const WallApproach& approach, const WallForce& pushed,
+                bool impact);
+  /// Of all ranks, on rank 0; nothing on the others.
+  Wear wear_of_all_ranks(std::size_t body) const;
+  void write_wear();
 
   int type_ = 1;
   RollingModel rolling_ = RollingModel::none;
@@ -94,6 +101,9 @@ class FixWall : public LAMMPS_NS::Fix {
   std::vector<Watch> watches_;                     ///< of each body
   std::vector<std::array<double, kSums>> sums_{};  ///< of each body, for compute_vector
   TouchBook book_;
+  WearSettings wear_settings_;
+  std::vector<Wear> wear_;  ///< of each body, by particles of this rank; empty: none is kept
+  long wear_written_ = -1;  ///< step
 
   // LIGGGHTS' registry writes through the addresses of these.
   double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,

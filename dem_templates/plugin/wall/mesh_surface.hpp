@@ -22,6 +22,7 @@ class MeshSurface : public Surface {
   double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) override;
   bool between(const Vector3& from, const Vector3& to) const override;
   double farthest_from(const Vector3& origin, const Vector3& unit_axis) const override;
+  std::size_t n_parts() const override { return triangles_.size(); }
   std::vector<Triangle> triangles() const override { return triangles_; }
 
  private:

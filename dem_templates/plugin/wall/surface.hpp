@@ -28,6 +28,8 @@ class Surface {
   virtual bool between(const Vector3& from, const Vector3& to) const = 0;
   /// Largest distance of a point of it from an axis [m]; 0 for endless surfaces.
   virtual double farthest_from(const Vector3& /*origin*/, const Vector3& /*unit_axis*/) const { return 0.0; }
+  /// Number of triangles; 0 if it is no mesh.
+  virtual std::size_t n_parts() const { return 0; }
   /// What it is made of; nothing if it is no mesh.
   virtual std::vector<Triangle> triangles() const { return {}; }
 };

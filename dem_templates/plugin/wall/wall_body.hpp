@@ -1,8 +1,7 @@
 // A body: its surface, how it turns, where it stands now.
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -14,7 +13,7 @@ namespace granary::dem {
 struct WallBody {
   std::string name;
   std::unique_ptr<Surface> surface;
-  std::uint64_t fingerprint = 0;  ///< of the surface's numbers
+  std::string fingerprint;  ///< of the surface's numbers
   Rotation rotation;
 
   // angle = start_angle + (step - start_step) angle_per_step: set anew only when rate or time step change, so that

@@ -1,13 +1,13 @@
 #include "dem_templates/plugin/wall/wall_settings.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "common/files.hpp"
 #include "common/stl.hpp"
 #include "dem_templates/plugin/wall/endless_surfaces.hpp"
 #include "dem_templates/plugin/wall/mesh_surface.hpp"
@@ -18,12 +18,8 @@ namespace {
 using Range = FixArguments::Range;
 using Words = std::vector<std::string>;
 
-// As FNV-1a (Fowler, Noll, Vo), but eight bytes at a time, and turned so that high bits count as well.
-std::uint64_t fingerprint_of(std::span<const double> numbers) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (const double number : numbers)
-    hash = std::rotl((hash ^ std::bit_cast<std::uint64_t>(number)) * 1099511628211u, 29);
-  return hash;
+std::string fingerprint_of(std::span<const double> numbers) {
+  return fingerprint({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
 }
 
 Vector3 vector_at(const std::vector<double>& v, std::size_t first) { return {v[first], v[first + 1], v[first + 2]}; }
@@ -62,8 +58,8 @@ class BodyReader {
     std::erase_if(triangles, [](const Triangle& t) { return !has_area(t); });
     if (triangles.empty())
       return arguments_.problem("'mesh " + words[0] + "': " + words[1] + ": none of its triangles has an area.");
-    const std::uint64_t fingerprint = fingerprint_of({triangles[0][0].data(), 9 * triangles.size()});
-    add(words[0], std::make_unique<MeshSurface>(std::move(triangles), smooth), fingerprint);
+    const std::string shape = fingerprint_of({triangles[0][0].data(), 9 * triangles.size()});
+    add(words[0], std::make_unique<MeshSurface>(std::move(triangles), smooth), shape);
   }
 
   void plane(const Words& words) {
@@ -98,24 +94,46 @@ class BodyReader {
   }
 
  private:
-  void add(const std::string& name, std::unique_ptr<Surface> surface, std::uint64_t fingerprint) {
+  void add(const std::string& name, std::unique_ptr<Surface> surface, const std::string& shape) {
     for (const WallBody& body : bodies_)
       if (body.name == name) arguments_.problem("two bodies are named '" + name + "'.");
     WallBody& body = bodies_.emplace_back();
     body.name = name;
     body.surface = std::move(surface);
-    body.fingerprint = fingerprint;
+    body.fingerprint = shape;
   }
 
   FixArguments& arguments_;
   std::vector<WallBody>& bodies_;
 };
 
+WearSettings read_wear(FixArguments& arguments, const std::vector<WallBody>& bodies) {
+  WearSettings wear;
+  if (arguments.has("wear_archard")) {
+    const auto v = arguments.numbers("wear_archard", Range::positive());
+    if (v.size() == 2) wear.archard = v[0] / v[1];
+  }
+  if (arguments.has("wear_finnie")) wear.finnie = arguments.number("wear_finnie", Range::positive());
+  if (wear.on() != arguments.has("wear_file"))
+    arguments.problem("'wear_file PREFIX STEPS' and 'wear_archard K H' or 'wear_finnie F' need each other.");
+  if (arguments.has("wear_file")) {
+    const Words words = arguments.all("wear_file")[0];
+    wear.file = words[0];
+    const auto [stop, fault] = std::from_chars(words[1].data(), words[1].data() + words[1].size(), wear.every);
+    if (fault != std::errc{} || *stop != '\0' || wear.every < 0)
+      arguments.problem("'wear_file " + words[0] + "': '" + words[1] + "' is no number of steps, 0 or more.");
+  }
+  const bool meshes = std::any_of(bodies.begin(), bodies.end(), [](const auto& b) { return b.surface->n_parts() > 0; });
+  if (wear.on() && !meshes) arguments.problem("wear is kept for each triangle: it needs a 'mesh'.");
+  return wear;
+}
+
 }  // namespace
 
 std::vector<FixArguments::Keyword> wall_keywords() {
-  return {{"type"},          {"rolling_friction"}, {"cohesion"},          {"smooth"},
-          {"mesh", 2, true}, {"plane", 7, true},   {"cylinder", 8, true}, {"rotate", 9, true}};
+  return {{"type"},           {"rolling_friction"},  {"cohesion"},        {"smooth"},          {"mesh", 2, true},
+          {"plane", 7, true}, {"cylinder", 8, true}, {"rotate", 9, true}, {"wear_archard", 2}, {"wear_finnie"},
+          {"wear_file", 2}};
 }
 
 WallSettings read_wall_settings(FixArguments& arguments) {
@@ -141,6 +159,7 @@ WallSettings read_wall_settings(FixArguments& arguments) {
   for (const Words& words : arguments.all("cylinder")) read.cylinder(words);
   if (settings.bodies.empty()) arguments.problem("needs a body: 'mesh', 'plane' or 'cylinder'.");
   for (const Words& words : arguments.all("rotate")) read.rotate(words);
+  settings.wear = read_wear(arguments, settings.bodies);
   return settings;
 }
 

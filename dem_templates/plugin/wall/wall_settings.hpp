@@ -6,6 +6,7 @@
 #include "dem_templates/plugin/input/fix_arguments.hpp"
 #include "dem_templates/plugin/wall/contact_law.hpp"
 #include "dem_templates/plugin/wall/wall_body.hpp"
+#include "dem_templates/plugin/wall/wear.hpp"
 
 namespace granary::dem {
 
@@ -14,6 +15,7 @@ struct WallSettings {
   RollingModel rolling = RollingModel::none;
   bool cohesion = false;
   std::vector<WallBody> bodies;  ///< meshes, planes, cylinders
+  WearSettings wear;
 };
 
 /// The keywords that read_wall_settings() understands.
