@@ -186,7 +186,7 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
   state_->running.emplace(attempt,
                           State::Running{launch, process.pid, process.pidfd, false, false, {}, std::move(ended)});
   state_->loop.watch(process.pidfd, [state = state_.get(), attempt] { state->first_process_ended(attempt); });
-  return ProcessKey{process.pid, start_ticks(process.pid)};
+  return ProcessKey{process.pid, process.start_ticks};
 }
 
 void LocalLauncher::signal(AttemptId attempt, int signal_number) {

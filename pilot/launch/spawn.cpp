@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 namespace granary::pilot {
 namespace {
@@ -79,6 +80,13 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return list;
 }
 
+/// The clock of field 22 of /proc/PID/stat: time since boot in hundredths of a second, rounded down.
+std::uint64_t boot_ticks() {
+  timespec time = {};
+  (void)clock_gettime(CLOCK_BOOTTIME, &time);
+  return static_cast<std::uint64_t>(time.tv_sec) * 100U + static_cast<std::uint64_t>(time.tv_nsec) / 10'000'000U;
+}
+
 Error spawn_error(const SpawnRequest& request, Stage stage, int code) {
   const std::string why = std::strerror(code);
   switch (stage) {
@@ -120,6 +128,7 @@ Result<Spawned> spawn(const SpawnRequest& request) {
   sigfillset(&all);
   (void)pthread_sigmask(SIG_SETMASK, &all, &before);
   int pidfd = -1;
+  const std::uint64_t tick_before = boot_ticks();
   const int pid = clone(run_child, stack, CLONE_VM | CLONE_VFORK | CLONE_PIDFD | SIGCHLD, &child, &pidfd);
   const int code = errno;
   (void)pthread_sigmask(SIG_SETMASK, &before, nullptr);
@@ -130,7 +139,10 @@ Result<Spawned> spawn(const SpawnRequest& request) {
     close(pidfd);
     return spawn_error(request, child.failed, child.code);
   }
-  return Spawned{pid, pidfd};
+  // It was made between two readings of the clock that the kernel stamps it with. Only if a tick lies between them,
+  // its file in /proc must be read, which takes longer than all the rest: it waits for the new program to be loaded.
+  const std::uint64_t tick = boot_ticks();
+  return Spawned{pid, pidfd, tick == tick_before ? tick : start_ticks(pid)};
 }
 
 ProcessEnd reap(int pidfd) {

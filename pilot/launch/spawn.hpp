@@ -23,7 +23,8 @@ struct SpawnRequest {
 
 struct Spawned {
   int pid = 0;
-  int pidfd = -1;  ///< readable when it has ended; the caller closes it
+  int pidfd = -1;                 ///< readable when it has ended; the caller closes it
+  std::uint64_t start_ticks = 0;  ///< as start_ticks(pid), but for free
 };
 
 /// How a process ended, and what it cost.

@@ -12,6 +12,7 @@
 #include "common/files.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/run_program.hpp"
+#include "pilot/launch/spawn.hpp"
 #include "pilot/task_list.hpp"
 
 namespace granary::pilot {
@@ -262,6 +263,17 @@ TEST_F(PilotProcesses, UsesNextToNoCpuWhileItWaits) {
 
   EXPECT_LT(seconds(after) - seconds(before), 0.01) << "0.5 % of 2 s, start and end included";
   EXPECT_LT(after.ru_nvcsw - before.ru_nvcsw, 60) << "it woke up for nothing";
+}
+
+TEST(Spawn, StampsAProcessAsTheKernelDoes) {
+  for (int k = 0; k < 40; ++k) {
+    const auto process = spawn({"/bin/sleep", {"sleep", "30"}, {}, "", {}});
+    ASSERT_TRUE(process.has_value());
+    EXPECT_EQ(process->start_ticks, start_ticks(process->pid));
+    kill(process->pid, SIGKILL);
+    (void)reap(process->pidfd);
+    close(process->pidfd);
+  }
 }
 
 TEST(RunProgram, GivesInputAndTakesBothOutputs) {
