@@ -12,6 +12,8 @@ from pathlib import Path
 # folder -> folders it may include besides itself (longest prefix wins)
 ALLOWED = {
     "common": ["common"],
+    "estimation/search": ["common"],
+    "estimation/trust": ["common", "estimation/search"],
     "pilot": ["common", "pilot"],
     "pbm_solver/case": ["common"],
     "pbm_solver/model": ["common", "pbm_solver/case"],
@@ -45,6 +47,7 @@ FENCES = {
     r"boost/asio|boost/beast": ["pilot", "controller/serve"],
     r"lammps\.h|atom\.h|fix\.h|modify\.h|pair_gran|neighbor\.h|neigh_list\.h": ["dem_templates/plugin"],
     r"omp\.h": ["pbm_solver"],
+    r"Eigen/": ["estimation"],
 }
 
 
