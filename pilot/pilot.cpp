@@ -54,6 +54,7 @@ struct Pilot::State {
   double deadline = std::numeric_limits<double>::infinity();  ///< pilot time of the allocation's end [s]
   bool stopping = false;
   std::string stop_reason;
+  json::Value opening;  ///< the record of it
   bool turn_posted = false;
   std::vector<Action> todo;  ///< once the journal has what led to it
   std::string text;          ///< of the record being written
@@ -370,9 +371,10 @@ struct Pilot::State {
 
   bool belongs_here(const Event& event, TaskId id) const {
     const auto* submitted = std::get_if<Submitted>(&event.what);
-    if (submitted == nullptr) return table.has(id);
+    const auto* restored = std::get_if<Restored>(&event.what);
+    if (submitted == nullptr && restored == nullptr) return table.has(id);
     const auto is_known = [this](const std::string& name) { return table.find(name) != nullptr; };
-    const auto& after = submitted->spec.after;
+    const auto& after = submitted != nullptr ? submitted->spec.after : restored->task.spec.after;
     return id.value == static_cast<int>(table.tasks.size()) && std::all_of(after.begin(), after.end(), is_known);
   }
 
@@ -383,14 +385,48 @@ struct Pilot::State {
     for (const Node& node : options.machine.nodes) {
       nodes.push(json::Value::object({{"name", node.name}, {"cores", node.cpus.size()}}));
     }
-    record("pilot.open", json::Value::object({{"time_s", now()},
-                                              {"run_id", run_id},
-                                              {"pid", static_cast<int>(getpid())},
-                                              {"version", version()},
-                                              {"nodes", std::move(nodes)}}));
+    opening = json::Value::object({{"time_s", now()},
+                                   {"run_id", run_id},
+                                   {"pid", static_cast<int>(getpid())},
+                                   {"version", version()},
+                                   {"nodes", std::move(nodes)}});
+    record("pilot.open", opening);
     if (!is_new) take_up();
     GRANARY_CHECK(flush());
-    return journal.healthy();
+    GRANARY_CHECK(journal.healthy());
+    if (journal.n_records() <= options.compact_above || journal.n_records() <= 2 * table.tasks.size()) return {};
+    return compact();
+  }
+
+  /// Rewrites the journal with one record a task; what others have written stays as it is. Nothing runs now.
+  Status compact() {
+    Status read;
+    const Status written = journal.rewrite([&](Journal& fresh) {
+      bool first = true;
+      const auto keep = [&](const Line& line) {
+        const bool ours =
+            line.kind.starts_with("task.") || line.kind.starts_with("pilot.") || line.kind.starts_with("node.");
+        if (!ours || std::exchange(first, false)) {
+          fresh.stamp_with(line.wall_time);
+          fresh.add(line.kind, line.payload);
+        }
+        return Status();
+      };
+      read = journal.for_each(keep);
+      fresh.stamp_with(std::nullopt);
+      const auto add = [&](const std::string& kind, const json::Value& payload) {
+        text.clear();
+        append_json(text, payload);
+        fresh.add(kind, text);
+      };
+      for (const Task& task : table.tasks) {
+        const Event event{now(), Restored{task}};
+        add(kind_of(event), to_json(event));
+      }
+      add("pilot.open", opening);
+    });
+    GRANARY_CHECK(read);
+    return written;
   }
 
   /// Ends the orphans of the last pilot and queues their tasks again, and those that it had stopped itself.
@@ -407,6 +443,7 @@ struct Pilot::State {
     }
     todo.clear();  // what ended in an earlier life was told there
     idle_told = false;
+    turn_soon();
   }
 };
 

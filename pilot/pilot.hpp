@@ -23,6 +23,8 @@ namespace granary::pilot {
 struct PilotOptions {
   std::filesystem::path dir;  ///< the campaign's folder; tasks' folders are relative to it
   Machine machine;
+  /// A journal of more records than this, and more than twice as many as its tasks need, is compacted at the opening.
+  std::uint64_t compact_above = 10'000;
   double sync_every = 0.25;  ///< a power cut loses at most this much of the journal [s]; 0: never waits for the disk
 };
 

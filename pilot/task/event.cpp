@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "pilot/task/past.hpp"
 #include "pilot/task/spec_json.hpp"
 
 namespace granary::pilot {
@@ -43,6 +44,7 @@ struct ToJson {
   json::Value operator()(const Preempted& e) const { return of_attempt(time, e.attempt); }
   json::Value operator()(const Lost& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
   json::Value operator()(const Abandoned& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
+  json::Value operator()(const Restored& e) const { return past_to_json(e.task).set("time_s", time); }
   json::Value operator()(const Reopened& e) const {
     return json::Value::object({{"time_s", time}, {"id", e.id.value}});
   }
@@ -62,6 +64,7 @@ struct KindOf {
   const char* operator()(const Preempted&) const { return "task.preempt"; }
   const char* operator()(const Lost&) const { return "task.lost"; }
   const char* operator()(const Abandoned&) const { return "task.abandon"; }
+  const char* operator()(const Restored&) const { return "task.past"; }
   const char* operator()(const Reopened&) const { return "task.reopen"; }
 };
 
@@ -92,6 +95,10 @@ Result<Event> event_from_json(const std::string& kind, const json::Value& payloa
   const auto reason = [&] { return payload.text_or("reason", ""); };
   if (id.value < 0) return Error{fmt::format("a record of kind {} names no task", kind)};
   if (kind == "task.submit") return Event{time, Submitted{id, spec_from_json(payload["task"])}};
+  if (kind == "task.past") {
+    GRANARY_TRY(Task task, past_from_json(payload));
+    return Event{time, Restored{std::move(task)}};
+  }
   if (kind == "task.place") {
     GRANARY_TRY(CoreSet cores, cores_in(payload));
     return Event{time, Placed{attempt, std::move(cores)}};

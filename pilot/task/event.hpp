@@ -11,6 +11,7 @@
 #include "common/result.hpp"
 #include "pilot/task/core_set.hpp"
 #include "pilot/task/spec.hpp"
+#include "pilot/task/table.hpp"
 
 namespace granary::pilot {
 
@@ -79,9 +80,14 @@ struct Reopened {
   TaskId id;
 };
 
+/// A task with its whole past, from a compacted journal.
+struct Restored {
+  Task task;
+};
+
 struct Event {
   using What = std::variant<Submitted, Placed, Started, StartFailed, Exited, StopAsked, TimedOut, GraceOver, Suspended,
-                            Resumed, Preempted, Lost, Abandoned, Reopened>;
+                            Resumed, Preempted, Lost, Abandoned, Reopened, Restored>;
   double time = 0.0;  ///< pilot time [s]
   What what;
 };

@@ -41,6 +41,23 @@ class Step {
     }
   }
 
+  void operator()(const Restored& event) {
+    if (table_.find(event.task.spec.name) != nullptr) return;
+    Task task = event.task;
+    GRANARY_ASSERT(task.id.value == static_cast<int>(table_.tasks.size()));
+    for (const std::string& name : task.spec.after) {
+      const Task* before = table_.find(name);
+      GRANARY_ASSERT(before != nullptr, name);
+      if (before->state != TaskState::finished) ++task.unmet;
+      table_.at(before->id).dependents.push_back(task.id);
+    }
+    table_.n_waiting += task.state == TaskState::waiting;
+    table_.n_ready += task.state == TaskState::ready;
+    table_.changed.push_back(task.id);
+    table_.by_name.emplace(task.spec.name, task.id);
+    table_.tasks.push_back(std::move(task));
+  }
+
   void operator()(const Placed& event) {
     Task& task = table_.at(event.attempt.task);
     if (task.state != TaskState::ready || event.attempt.number != task.attempt_id().number + 1) return;

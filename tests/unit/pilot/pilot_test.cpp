@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <csignal>
+#include <filesystem>
 
 #include "common/json/io.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
@@ -174,6 +177,82 @@ TEST(Pilot, ReplayGivesTheSameTableAfterEveryRecord) {
 
   for (const Task& task : table.tasks) EXPECT_EQ(task.state, site.pilot.state(task.id)) << task.spec.name;
   EXPECT_EQ(table.tasks.at(1).attempts.size(), 2u);
+}
+
+/// One life of a pilot on a journal file.
+struct FileLife {
+  VirtualLoop loop;
+  SimulatedLauncher launcher{loop, [](const TaskSpec& spec) {
+                               return SimulatedRun{spec.fill ? 25.0 : 3.0, spec.name == "bad" ? 3 : 0};
+                             }};
+  Journal journal;
+  std::unique_ptr<Pilot> pilot;
+
+  FileLife(const std::filesystem::path& dir, std::uint64_t compact_above)
+      : journal(*Journal::open(dir / "journal.jsonl", [this] { return 1000.0 + loop.wall_time(); })) {
+    auto opened = Pilot::open({dir, stated_machine(1, 2), compact_above}, loop, launcher, journal);
+    EXPECT_TRUE(opened.has_value()) << opened.error().message;
+    pilot = std::move(*opened);
+  }
+  std::string told() const {
+    std::string text;
+    for (const TaskEnd& end : pilot->ends()) text += *pilot->explain(end.name);
+    return text;
+  }
+};
+
+TEST(Pilot, CompactsALongJournalAndKnowsTheSameOfEveryTask) {
+  const std::filesystem::path dir =
+      std::filesystem::temp_directory_path() / ("granary_compact_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(dir);
+  std::string before;
+  {
+    FileLife first(dir, 10'000);
+    (void)first.pilot->submit(a_task("filler").fills());
+    (void)first.pilot->submit(a_task("bad").retries(1));
+    (void)first.pilot->submit(a_task("after-bad").after({"bad"}));
+    for (int k = 0; k < 12; ++k) (void)first.pilot->submit(a_task("t" + std::to_string(k)).needs(1 + k % 2));
+    ASSERT_TRUE(first.journal.append("other.note", json::Value::object({{"text", "kept"}})).has_value());
+    (void)first.pilot->submit(a_task("late").after({"t11"}));
+    first.loop.run_until(13.0);
+    before = first.told();
+    EXPECT_GT(first.journal.n_records(), 38u);
+  }
+  {
+    FileLife second(dir, 20);
+    EXPECT_EQ(second.journal.n_records(), 1 + 1 + 16 + 1u) << "two openings, a stranger's note, sixteen tasks";
+    ASSERT_EQ(second.journal.records("other.").size(), 1u);
+    EXPECT_EQ(second.journal.records("other.")[0].payload.text_or("text", ""), "kept");
+    EXPECT_NEAR(*second.journal.first_wall_time(), 1000.0, 1e-6);
+    EXPECT_EQ(second.told(), before);
+  }
+  FileLife third(dir, 10'000);  // from the compacted journal
+  EXPECT_EQ(third.told(), before);
+  EXPECT_EQ(third.pilot->submit(a_task("bad").retries(1)).value_or(TaskId{}), TaskId{1}) << "the same task";
+  third.loop.run();
+  EXPECT_EQ(third.pilot->ends().size(), 16u);
+  EXPECT_EQ(third.pilot->end(*third.pilot->find("late"))->state, TaskState::finished);
+  EXPECT_EQ(third.pilot->end(*third.pilot->find("after-bad"))->state, TaskState::failed);
+  std::filesystem::remove_all(dir);
+}
+
+TEST(Pilot, CountsTimeByTheLoopWhenTheWallClockJumps) {
+  double wall = 5000.0;
+  VirtualLoop loop;
+  SimulatedLauncher launcher(loop, [](const TaskSpec&) { return SimulatedRun{10.0}; });
+  Journal journal = Journal::in_memory([&] { return wall; });
+  auto pilot = *Pilot::open({"/campaign", stated_machine(1, 1)}, loop, launcher, journal);
+  (void)pilot->submit(a_task("a").timeout(15.0));
+  loop.at(5.0, [&] { wall -= 3600.0; });  // somebody sets the clock back an hour, then a day forward
+  loop.at(7.0, [&] { wall += 90000.0; });
+  loop.run();
+
+  EXPECT_EQ(pilot->end(TaskId{0})->state, TaskState::finished);
+  EXPECT_DOUBLE_EQ(pilot->end(TaskId{0})->end, 10.0);
+  Journal copy = Journal::in_memory();
+  for (const Record& record : journal.records()) ASSERT_TRUE(copy.append(record.kind, record.payload).has_value());
+  const auto second = *Pilot::open({"/campaign", stated_machine(1, 1)}, loop, launcher, copy);
+  EXPECT_DOUBLE_EQ(second->now(), 10.0);
 }
 
 TEST(Pilot, TakesATaskItKnowsForTheSameAndTellsItsEndAgain) {
