@@ -55,6 +55,23 @@ TEST(TaskJson, ReadsEveryKeyWithUnits) {
   EXPECT_EQ(spec_from_json(to_json(tasks.at(0))), tasks.at(0));
 }
 
+TEST(TaskJson, LetsNoRelativePathLeaveTheRunDirectory) {
+  for (const char* key : {"dir", "stdout", "stderr"}) {
+    for (const char* path : {"..", "../x", "a/../../x", "./a/b/../../../x"}) {
+      const auto outcome =
+          read(std::string(R"({"tasks": [{"name": "a", "command": ["b"], ")") + key + "\": \"" + path + "\"}]}");
+      EXPECT_THAT(outcome.texts(), HasSubstr(std::string("/tasks/0/") + key)) << path;
+      EXPECT_THAT(outcome.texts(), HasSubstr("leaves the run directory")) << path;
+    }
+    for (const char* path : {"x/../y", "a/..b", "/elsewhere/x"})
+      EXPECT_TRUE(read(std::string(R"({"tasks": [{"name": "a", "command": ["b"], ")") + key + "\": \"" + path + "\"}]}")
+                      .problems.empty())
+          << path;
+  }
+  EXPECT_THAT(read(R"({"tasks": [{"name": "a", "command": ["b"], "dir": "d", "produces": ["../../x"]}]})").texts(),
+              HasSubstr("leaves the run directory"));
+}
+
 TEST(TaskJson, ReportsEveryProblemAtOnce) {
   const std::string text = read(R"({"tasks": [
     {"name": "a/b", "command": "sleep 5", "timeout": 5, "rank": 2},
