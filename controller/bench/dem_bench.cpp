@@ -35,11 +35,6 @@ Status check(const std::vector<std::string>& parts) {
   return {};
 }
 
-double load() {
-  double one = 0.0;
-  return getloadavg(&one, 1) == 1 ? one : -1.0;
-}
-
 }  // namespace
 
 Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts, const Say& say) {
@@ -59,7 +54,7 @@ Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts
                                   {"revision", std::string(revision())},
                                   {"effort", std::string(name_of(effort))},
                                   {"cores", machine.n_cores()},
-                                  {"load_at_start", load()},
+                                  {"load_at_start", load_of_machine()},
                                   {"stock",
                                    "speed: the program liggghts of Debian; comparison and differences: "
                                    "granary-dem with fix mesh/surface, move/mesh and wall/gran"}});
@@ -79,7 +74,7 @@ Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts
     GRANARY_TRY(const Value rows, choice_rows(effort, scratch.path(), in_turn));
     document.set("choices", rows);
   }
-  return document.set("load_at_end", load());
+  return document.set("load_at_end", load_of_machine());
 }
 
 }  // namespace granary::bench

@@ -147,7 +147,7 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
     one.ms_per_step.resize(seeds);
   }
   say(fmt::format("speed against error: {} settings, {} seeds each", all.size(), seeds));
-  GRANARY_CHECK(at_once(all.size() * seeds, [&](std::size_t k) -> Status {
+  const auto measure = [&](std::size_t k) -> Status {
     Choice& one = all[k / seeds];
     const std::size_t seed = k % seeds;
     dem::DemCase c = one.dem;
@@ -157,7 +157,8 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
     one.windows[seed] = std::move(burst.windows);
     one.ms_per_step[seed] = burst.run.loops.back().ms_per_step();
     return {};
-  }));
+  };
+  GRANARY_CHECK(at_once(all.size() * seeds, measure));
   Value rows = Value::array();
   const Choice* reference = nullptr;
   for (const Choice& one : all) {

@@ -56,7 +56,7 @@ Result<Comparison> compare_walls(const dem::DemCase& asked, int seeds, const fs:
                                  const std::vector<std::string>& only) {
   std::array<std::vector<std::vector<Value>>, 2> windows;
   for (auto& of_kind : windows) of_kind.resize(static_cast<std::size_t>(seeds));
-  GRANARY_CHECK(at_once(2 * static_cast<std::size_t>(seeds), [&](std::size_t k) -> Status {
+  const auto measure = [&](std::size_t k) -> Status {
     dem::DemCase c = asked;
     // Stock walls first, as they take longest.
     const std::size_t kind = k < static_cast<std::size_t>(seeds) ? 0 : 1, seed = k % static_cast<std::size_t>(seeds);
@@ -65,7 +65,8 @@ Result<Comparison> compare_walls(const dem::DemCase& asked, int seeds, const fs:
     GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("{}-{}-{}", asked.name, kind, seed)));
     windows[kind][seed] = std::move(burst.windows);
     return {};
-  }));
+  };
+  GRANARY_CHECK(at_once(2 * static_cast<std::size_t>(seeds), measure));
   Comparison comparison{differences(quantities(windows[0], 1), quantities(windows[1], 1))};
   if (!only.empty())
     std::erase_if(comparison.all,

@@ -78,6 +78,11 @@ std::vector<Loop> read_loops(const std::string& printed) {
   return loops;
 }
 
+double load_of_machine() {
+  double one = 0.0;
+  return getloadavg(&one, 1) == 1 ? one : -1.0;
+}
+
 std::string granary_dem() { return (program_folder() / "granary-dem").string(); }
 
 Result<DemRun> run_dem(const std::string& program, const fs::path& folder, const std::string& input, int ranks) {

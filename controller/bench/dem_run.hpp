@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/json/value.hpp"
@@ -46,6 +47,9 @@ struct DemRun {
 /// a core of its own. Errors: it is not there, or ended with an exit code (with the end of what it said).
 Result<DemRun> run_dem(const std::string& program, const std::filesystem::path& folder, const std::string& input,
                        int ranks = 1);
+
+/// What runs or wants to run, mean of the last minute; -1 if the system does not say.
+double load_of_machine();
 
 /// Our granary-dem beside this program.
 std::string granary_dem();

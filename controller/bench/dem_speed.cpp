@@ -85,7 +85,7 @@ std::int64_t impeller_triangles(const dem::DemCase& c) {
 /// Rates and speeds of both kinds of walls from the same state, each by granary-dem with its tally.
 Status add_differences(const Runner& runner, double stock_skin, Value& row) {
   std::array<std::vector<Measured>, 2> measured;
-  GRANARY_CHECK(at_once(2, [&](std::size_t k) -> Status {
+  const auto measure = [&](std::size_t k) -> Status {
     TimingDeck deck{k == 0 ? dem::Walls::stock : dem::Walls::granary, std::nullopt, 200, runner.one.tallied_steps,
                     true};
     if (k == 0) deck.skin = stock_skin;
@@ -101,7 +101,8 @@ Status add_differences(const Runner& runner, double stock_skin, Value& row) {
     lines.erase(lines.begin());
     measured[k] = quantities({lines}, 1);
     return {};
-  }));
+  };
+  GRANARY_CHECK(at_once(2, measure));
   const auto all = differences(measured[0], measured[1]);
   const auto put = [&](const char* name, const char* key, const char* error_key) {
     for (const Difference& d : all)
@@ -121,7 +122,8 @@ Result<Value> rows_of(const SpeedCase& one, Effort effort, const fs::path& scrat
   Value common = Value::object({{"case", one.name},
                                 {"particles", static_cast<std::int64_t>(state.particles)},
                                 {"impeller_triangles", impeller_triangles(one.dem)},
-                                {"time_step_s", one.dem.time_step}});
+                                {"time_step_s", one.dem.time_step},
+                                {"load", load_of_machine()}});
   say(fmt::format("{}: the best skin for stock LIGGGHTS", one.name));
   GRANARY_TRY(const double skin, best_stock_skin(runner, common));
   common.set("stock_skin_m", skin);
@@ -159,6 +161,7 @@ Result<Value> rows_of(const SpeedCase& one, Effort effort, const fs::path& scrat
         .set("granary_particles_at_end", static_cast<std::int64_t>(left[ranks][1]));
     if (ranks > 1)
       row.set("granary_over_one_rank", median(ms[1][1]) / granary).set("stock_over_one_rank", median(ms[1][0]) / stock);
+    say(fmt::format("{}: {:.3f} ms a step, ours {:.4f} ms: {:.1f}x", one.name, stock, granary, stock / granary));
     rows.push(row);
   }
   return rows;
