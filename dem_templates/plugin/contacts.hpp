@@ -14,9 +14,20 @@
 
 namespace granary::dem {
 
-/// Calls found(i, j, slot, distance^2, (sum of radii)^2) for every pair of the list; i is of this rank, j may be a
-/// ghost. With newton off a pair across a rank boundary is found by both ranks, any other once. Slots number the pairs,
-/// the same way until the list is made anew.
+/// Calls found(i, j, slot) for every pair of the list; i is of this rank, j may be a ghost. With newton off a pair
+/// across a rank boundary is found by both ranks, any other once. Slots number the pairs, the same way until the list
+/// is made anew.
+template <class Found>
+void for_each_listed_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
+  const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
+  std::size_t slot = 0;
+  for (int n = 0; n < list.inum; ++n) {
+    const int i = list.ilist[n];
+    for (int k = 0; k < list.numneigh[i]; ++k, ++slot) found(i, list.firstneigh[i][k] & NEIGHMASK, slot);
+  }
+}
+
+/// The same with their places: found(i, j, slot, distance^2, (sum of radii)^2).
 template <class Found>
 void for_each_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
   const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
@@ -42,17 +53,6 @@ inline std::size_t count_pairs(LAMMPS_NS::LAMMPS& lammps) {
   std::size_t n_pairs = 0;
   for (int n = 0; n < list.inum; ++n) n_pairs += static_cast<std::size_t>(list.numneigh[list.ilist[n]]);
   return n_pairs;
-}
-
-/// The largest overlap of two particles, over the smaller one's radius; 0 if none touch.
-inline double largest_pair_overlap(LAMMPS_NS::LAMMPS& lammps) {
-  const double* const radius = lammps.atom->radius;
-  double largest = 0.0;
-  for_each_pair(lammps, [&](int i, int j, std::size_t, double distance2, double touching2) {
-    if (distance2 < touching2)
-      largest = std::max(largest, (radius[i] + radius[j] - std::sqrt(distance2)) / std::min(radius[i], radius[j]));
-  });
-  return largest;
 }
 
 }  // namespace granary::dem

@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "common/json/io.hpp"
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
@@ -37,6 +38,7 @@ FixResize::FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lamm
                                                 {"mesh", 1, true},
                                                 {"walls", 1, true},
                                                 {"type"},
+                                                {"report"},
                                                 {"seed"},
                                                 {"overlap"},
                                                 {"sweeps"}});
@@ -45,10 +47,12 @@ FixResize::FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lamm
   space_ = arguments.text("space");
   for (const auto& mesh : arguments.all("mesh")) meshes_.push_back(mesh[0]);
   for (const auto& walls : arguments.all("walls")) walls_.push_back(walls[0]);
+  report_ = arguments.text_or("report", "");
   type_ = static_cast<int>(arguments.integer_or("type", 1, Range::between(1, atom->ntypes)));
   options_.seed = static_cast<std::uint64_t>(arguments.integer_or("seed", 1, Range::not_negative()));
   options_.overlap = arguments.number_or("overlap", options_.overlap, Range{1e-6, 0.5, true, true});
   options_.sweeps = static_cast<int>(arguments.integer_or("sweeps", options_.sweeps, Range::between(0, 1e7)));
+  nevery = 10;
   if (igroup != 0) arguments.problem("resizes all particles: its group must be 'all'.");
   end_if_failed(world, arguments.status());
 
@@ -57,7 +61,9 @@ FixResize::FixResize(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lamm
   population_ = std::move(population).value();
 }
 
-int FixResize::setmask() { return LAMMPS_NS::FixConst::PRE_EXCHANGE; }
+int FixResize::setmask() {
+  return LAMMPS_NS::FixConst::PRE_EXCHANGE | LAMMPS_NS::FixConst::END_OF_STEP | LAMMPS_NS::FixConst::POST_RUN;
+}
 
 void FixResize::init() {
   if (!atom->tag_enable || !atom->radius_flag) refuse(Error{"needs atom_style granular, with tags."});
@@ -69,7 +75,7 @@ void FixResize::setup_pre_exchange() {
   if (done_) return;
   done_ = true;
 
-  const State before = measure();
+  before_ = measure();
   const std::vector<Particle> particles = gather_particles();
   double largest = population_.largest_diameter();
   for (const Particle& particle : particles) largest = std::max(largest, particle.diameter);
@@ -79,13 +85,41 @@ void FixResize::setup_pre_exchange() {
   if (!plan) refuse(plan.error());
   apply(*plan);
 
-  const State after = measure();
+  after_ = measure();
+  largest_energy_ = after_.energy;
+  overlap_before_ = plan->overlap_before;
+  overlap_resized_ = plan->overlap_resized;
+  overlap_ = plan->overlap;
+  sweeps_ = plan->sweeps;
   const std::string said =
       fmt::format("granary/{}; together {} -> {} particles, {:.6g} -> {:.6g} m^3, kinetic energy {:.4g} -> {:.4g} J\n",
-                  describe(*plan, population_), before.particles, after.particles, before.volume, after.volume,
-                  before.energy, after.energy);
+                  describe(*plan, population_), before_.particles, after_.particles, before_.volume, after_.volume,
+                  before_.energy, after_.energy);
   for (FILE* out : {screen, logfile})
     if (comm->me == 0 && out) std::fputs(said.c_str(), out);
+}
+
+// Squeezed particles give their energy back within a contact time: looks are closer than that.
+void FixResize::end_of_step() { largest_energy_ = std::max(largest_energy_, measure().energy); }
+
+void FixResize::post_run() { end_if_failed(world, write_report()); }
+
+Status FixResize::write_report() const {
+  if (report_.empty() || comm->me != 0) return {};
+  const auto state = [](const State& s) {
+    return json::Value::object({{"particles", static_cast<std::int64_t>(s.particles)},
+                                {"volume_m3", s.volume},
+                                {"kinetic_energy_J", s.energy}});
+  };
+  return json::write_file(report_, json::Value::object({{"format", "granary-resize-1"},
+                                                        {"asked_volume_m3", population_.volume()},
+                                                        {"before", state(before_)},
+                                                        {"after", state(after_)},
+                                                        {"overlap_before", overlap_before_},
+                                                        {"overlap_resized", overlap_resized_},
+                                                        {"overlap_left", overlap_},
+                                                        {"sweeps", sweeps_},
+                                                        {"largest_kinetic_energy_J", largest_energy_}}));
 }
 
 std::vector<Particle> FixResize::gather_particles() const {

@@ -20,6 +20,8 @@ class FixResize : public LAMMPS_NS::Fix {
   int setmask() override;
   void init() override;
   void setup_pre_exchange() override;
+  void end_of_step() override;
+  void post_run() override;
   /// LIGGGHTS' cut-offs are set before the particles grow.
   double max_rad(int type) override;
   /// Nor are there particles yet from which it would know their type.
@@ -36,6 +38,7 @@ class FixResize : public LAMMPS_NS::Fix {
   std::vector<Particle> gather_particles() const;
   State measure() const;
   void apply(const ResizePlan& plan);
+  Status write_report() const;
   void remove(const ResizePlan& plan);
   void resize_kept(const ResizePlan& plan);
   void insert(const ResizePlan& plan);
@@ -47,6 +50,13 @@ class FixResize : public LAMMPS_NS::Fix {
   ResizeOptions options_;
   Population population_;
   bool done_ = false;
+
+  // Of what was done, for the report.
+  std::string report_;
+  State before_, after_;
+  double overlap_before_ = 0.0, overlap_resized_ = 0.0, overlap_ = 0.0;
+  int sweeps_ = 0;
+  double largest_energy_ = 0.0;  ///< since then, until the run ended [J]
 };
 
 }  // namespace granary::dem

@@ -12,6 +12,7 @@
 #include <force.h>
 #include <modify.h>
 #include <pair_gran.h>
+#include <timer.h>
 #include <update.h>
 
 #include "dem_templates/plugin/contacts.hpp"
@@ -147,6 +148,7 @@ void FixTally::listen() {
 // What touches when a run starts has begun before it.
 void FixTally::setup(int) {
   flags_in_book_ = true;
+  own_seconds_ = 0.0;
   look(Purpose::remember);
   survey(Purpose::remember);
   last_look_ = static_cast<long>(update->ntimestep);
@@ -161,16 +163,19 @@ void FixTally::setup(int) {
 void FixTally::post_force(int) {
   const auto step = static_cast<long>(update->ntimestep);
   if (step % every_ != 0) return;
+  const double start = MPI_Wtime();
   look(Purpose::count);
   look_at_loads();
   last_look_ = step;
   const bool window_ends = step - window_start_ >= window_steps_;
   if (++looks_ % kLooksPerSurvey == 0 || window_ends) survey(Purpose::count);
+  own_seconds_ += MPI_Wtime() - start;
   if (window_ends) close_window();
 }
 
 // A run may end between two looks, in the middle of a window.
 void FixTally::post_run() {
+  say_cost();
   const auto step = static_cast<long>(update->ntimestep);
   if (step == window_start_) return;
   if (step > last_look_) look(Purpose::count);
@@ -179,9 +184,17 @@ void FixTally::post_run() {
   close_window();
 }
 
+void FixTally::say_cost() const {
+  const double pairs = timer->array[TIME_PAIR];
+  if (comm->me != 0 || !logfile || pairs <= 0.0) return;
+  std::fprintf(logfile, "granary/tally: %.4g s, %.2f %% of the %.4g s of the pair forces\n", own_seconds_,
+               100.0 * own_seconds_ / pairs, pairs);
+}
+
 void FixTally::look(Purpose purpose) {
-  if (flags_in_book_) book_to_flags();
+  if (flags_in_book_) ghost_velocity_.clear();
   look_at_pairs(purpose);
+  if (purpose == Purpose::count) window_->overlap(largest_pair_overlap_);
   look_at_walls(purpose);
   for (int i = 0; i < atom->nlocal; ++i) {
     ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
@@ -195,12 +208,73 @@ void FixTally::look(Purpose purpose) {
 }
 
 void FixTally::look_at_pairs(Purpose purpose) {
-  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double distance2, double touching2) {
-    const char touches = distance2 < touching2;
-    if (touches == touching_[slot]) return;
-    touching_[slot] = touches;
-    if (touches && purpose == Purpose::count && counts_here(i, j)) count_collision(i, j);
+  const bool fresh = flags_in_book_;
+  if (fresh) touching_.assign(count_pairs(*lmp), 0);
+  flags_in_book_ = false;
+
+  const auto steps = static_cast<double>(static_cast<long>(update->ntimestep) - last_look_);
+  const bool gaps = purpose == Purpose::count && steps > 1.0;
+  note_reaches(gaps ? steps * update->dt : 0.0);
+
+  largest_pair_overlap_ = 0.0;
+  for_each_listed_pair(*lmp, [&](int i, int j, std::size_t slot) {
+    // Most pairs are too far apart to touch now or to have touched since the last look: rounded numbers tell.
+    const Reach &a = reaches_[static_cast<std::size_t>(i)], &b = reaches_[static_cast<std::size_t>(j)];
+    const float dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z, reach = a.reach + b.reach;
+    if (dx * dx + dy * dy + dz * dz >= reach * reach) {
+      touching_[slot] = 0;
+      return;
+    }
+    const double *xi = atom->x[i], *xj = atom->x[j];
+    const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, touching = atom->radius[i] + atom->radius[j];
+    const double distance2 = square(d);
+    if (distance2 >= touching * touching) {
+      if (gaps && !touching_[slot] && counts_here(i, j)) count_graze(i, j, touching, steps);
+      touching_[slot] = 0;
+      return;
+    }
+    const double smaller = std::min(atom->radius[i], atom->radius[j]);
+    largest_pair_overlap_ = std::max(largest_pair_overlap_, (touching - std::sqrt(distance2)) / smaller);
+    if (touching_[slot]) return;
+    touching_[slot] = 1;
+    if (purpose == Purpose::count && counts_here(i, j) && !(fresh && touched_before(i, j))) count_collision(i, j);
   });
+}
+
+// As far as a particle and its way in `time` go from its centre, and a little more than rounding takes.
+void FixTally::note_reaches(double time) {
+  const auto n = static_cast<std::size_t>(atom->nlocal + atom->nghost);
+  reaches_.resize(n);
+  double farthest = 0.0;
+  for (int d = 0; d < 3; ++d) farthest = std::max({farthest, std::abs(domain->boxlo[d]), std::abs(domain->boxhi[d])});
+  const double rounding = 1e-6 * farthest;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double *x = atom->x[k], way = time > 0.0 ? std::sqrt(square(atom->v[k])) * time : 0.0;
+    reaches_[k] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2]),
+                   static_cast<float>(atom->radius[k] + way + rounding)};
+  }
+}
+
+// The velocities are those of the last displacement; before it the two flew nearly as fast, since a touch that lasts
+// less than a few steps hardly turns them. So the steps since the last look are gone back on a straight line.
+void FixTally::count_graze(int i, int j, double touching, double steps) {
+  const double *xi = atom->x[i], *xj = atom->x[j], *vi = atom->v[i], *vj = atom->v[j];
+  double d[3], v[3];
+  for (int k = 0; k < 3; ++k) d[k] = xi[k] - xj[k], v[k] = vi[k] - vj[k];
+  const double apart = d[0] * v[0] + d[1] * v[1] + d[2] * v[2], v2 = square(v);
+  if (apart <= 0.0 || square(d) - apart * apart / v2 >= touching * touching)
+    return;  // was never nearer, or not near enough
+
+  const double nearest = apart / v2 / update->dt;  // steps ago
+  for (const double back : {std::floor(nearest), std::ceil(nearest)}) {
+    if (back < 1.0 || back >= steps) continue;
+    double then[3];
+    for (int k = 0; k < 3; ++k) then[k] = d[k] - back * update->dt * v[k];
+    if (square(then) >= touching * touching) continue;
+    window_->collision(2.0 * atom->radius[i], 2.0 * atom->radius[j], 0.5 * (xi[layout_.axis] + xj[layout_.axis]),
+                       touch_speed(then, v, touching));
+    return;
+  }
 }
 
 void FixTally::count_collision(int i, int j) {
@@ -261,7 +335,6 @@ void FixTally::count_impact(std::size_t body, const WallTouch& touch) {
 }
 
 void FixTally::survey(Purpose purpose) {
-  const double overlap = largest_pair_overlap(*lmp);
   for (int i = 0; i < atom->nlocal; ++i) {
     const double* v = atom->v[i];
     const double axial = atom->x[i][layout_.axis];
@@ -273,7 +346,6 @@ void FixTally::survey(Purpose purpose) {
     last.axial = axial;
   }
   if (purpose == Purpose::remember) return;
-  window_->overlap(overlap);
   window_->survey_done();
 }
 
@@ -290,19 +362,10 @@ void FixTally::flags_to_book() {
   if (flags_in_book_) return;
   flags_in_book_ = true;
   book_.forget_partners();
-  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double, double) {
+  for_each_listed_pair(*lmp, [&](int i, int j, std::size_t slot) {
     if (!touching_[slot] || !counts_here(i, j)) return;
     const int owner = atom->tag[i] < atom->tag[j] ? i : j, other = owner == i ? j : i;
     book_.note_partner(static_cast<std::size_t>(owner), atom->tag[other]);
-  });
-}
-
-void FixTally::book_to_flags() {
-  flags_in_book_ = false;
-  ghost_velocity_.clear();
-  touching_.assign(count_pairs(*lmp), 0);
-  for_each_pair(*lmp, [&](int i, int j, std::size_t slot, double distance2, double touching2) {
-    if (distance2 < touching2 && counts_here(i, j)) touching_[slot] = touched_before(i, j);
   });
 }
 
@@ -347,10 +410,12 @@ Status FixTally::open_file() {
 Status FixTally::write_line(const json::Value& line) { return writer_ ? writer_->append(line) : Status{}; }
 
 void FixTally::pre_exchange() {
+  const double start = MPI_Wtime();
   flags_to_book();
   std::size_t largest = 0;
   for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, book_.packed_size(static_cast<std::size_t>(i)));
   comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(largest));
+  own_seconds_ += MPI_Wtime() - start;
 }
 
 void FixTally::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }

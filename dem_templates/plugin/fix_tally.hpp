@@ -49,10 +49,17 @@ class FixTally : public LAMMPS_NS::Fix {
     std::size_t place = 0;        ///< among the bodies of `walls`
   };
   enum class Purpose { remember, count };
+  struct Reach {
+    float x, y, z;  ///< place of a particle [m]
+    float reach;    ///< how far from there it may have touched something since the last look [m]
+  };
 
   /// Which contacts exist, and which of them began since the last look.
   void look(Purpose purpose);
   void look_at_pairs(Purpose purpose);
+  /// Counts a pair that is apart now and was apart at the last look, if it touched at a step in between.
+  void count_graze(int i, int j, double touching, double steps);
+  void note_reaches(double time);
   void look_at_walls(Purpose purpose);
   void look_at_loads();
   void count_collision(int i, int j);
@@ -65,11 +72,12 @@ class FixTally : public LAMMPS_NS::Fix {
 
   // The flags of the pairs belong to one neighbour list; what they say travels with the particles to the next.
   void flags_to_book();
-  void book_to_flags();
   bool counts_here(int i, int j) const;
   bool touched_before(int i, int j) const;
 
   void close_window();
+  /// A line in the log: what the tally took.
+  void say_cost() const;
   Status open_file();
   Status write_line(const json::Value& line);
 
@@ -82,13 +90,16 @@ class FixTally : public LAMMPS_NS::Fix {
   std::optional<Window> window_;
   ContactBook book_;
   std::vector<char> touching_;                         ///< of each pair of the neighbour list, at the last look
-  bool flags_in_book_ = true;                          ///< a new neighbour list is being made
+  bool flags_in_book_ = true;                          ///< a new neighbour list was made since the last look
   std::vector<std::array<double, 3>> ghost_velocity_;  ///< at the last look; empty after a new neighbour list
+  std::vector<Reach> reaches_;                         ///< scratch: of particles and ghosts, at this look
   std::vector<std::uint64_t> bodies_touched_;          ///< scratch: of each particle, at this look
   std::optional<json::LineWriter> writer_;             ///< on rank 0, from the first run on
   long window_start_ = 0, last_look_ = 0;              ///< steps
   long looks_ = 0;                                     ///< since the start of the window
   double window_start_time_ = 0.0;                     ///< DEM clock [s]
+  double largest_pair_overlap_ = 0.0;                  ///< at the last look, over the smaller radius
+  double own_seconds_ = 0.0;                           ///< of this run, on this rank
   ParticleBalance balance_;                            ///< at the start of the window
 };
 

@@ -67,7 +67,8 @@ std::string machine(const std::string& start) {
 
 const std::string kBox = "-0.001 0.061 -0.031 0.031 -0.031 0.031";
 const std::string kResize =
-    "fix resize all granary/resize population population.json axis x space inside mesh paddle seed 7\n";
+    "fix resize all granary/resize population population.json axis x space inside mesh paddle report resize.json seed "
+    "7\n";
 const std::string kDump =
     "dump d all custom 100000 dump.txt id x y z radius vx vy vz density mass\n"
     "dump_modify d first yes sort id format \"%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\"\n";
@@ -172,12 +173,15 @@ TEST_F(Resize, ChangesASettledBedAndLeavesItCalm) {
       {"grown by half", {{0.0045, 0.006}, {89, 36}}, {{0.0045, 0.006}, {74, 44}}},  // as much volume
       {"twice as many", {{0.00238, 0.00317}, {600, 240}}, {{0.00238, 0.00317}, {500, 300}}},
       {"half as many", {{0.003, 0.004}, {150, 60}}, {{0.003, 0.004}, {125, 75}}},
+      {"grown three times, a 27th as many", {{0.009, 0.012}, {11, 4}}, {{0.009, 0.012}, {9, 6}}},
+      {"ten times as many", {{0.00139, 0.00186}, {3000, 1200}}, {{0.00139, 0.00186}, {2500, 1500}}},
+      {"a tenth as many", {{0.00646, 0.00862}, {30, 12}}, {{0.00646, 0.00862}, {25, 15}}},
       {"one side moves to the other", {{0.003}, {200}}, {{0.003, 0.0045}, {350, 190}}}};
   for (const Change& change : changes) {
     SCOPED_TRACE(change.name);
     folder.write("population.json", population(change.left, change.right));
     ASSERT_EQ(
-        run_deck(folder, machine("settled") + kResize + kDump + "run 2000\nunfix resize\n" + kTally + "run 500\n"), 0)
+        run_deck(folder, machine("settled") + kResize + kDump + "run 1000\nunfix resize\n" + kTally + "run 500\n"), 0)
         << folder.read("err");
 
     const auto rows = first_dump(folder);
@@ -189,6 +193,11 @@ TEST_F(Resize, ChangesASettledBedAndLeavesItCalm) {
     const double mass = 1000.0 * (volume(change.left) + volume(change.right));
     EXPECT_LT(counted.windows.back().number_or("kinetic_energy_J", 1), mass * 9.81 * 0.01);  // that of a fall of 1 cm
     EXPECT_EQ(counted.total("lost"), 0.0);
+    const auto report = json::read_file(folder / "resize.json");
+    ASSERT_TRUE(report);
+    EXPECT_NEAR((*report)["after"].number_or("volume_m3", 0), volume(change.left) + volume(change.right), 1e-12);
+    EXPECT_LE(report->number_or("overlap_left", 1), 0.02);
+    EXPECT_LT(report->number_or("largest_kinetic_energy_J", 1), mass * 9.81 * 0.01);
     const std::string said = folder.read("out");
     EXPECT_NE(said.find("granary/resize: [0, 0.03] m:"), std::string::npos);
     EXPECT_NE(said.find("largest overlap"), std::string::npos);

@@ -48,6 +48,12 @@ double Population::largest_diameter() const {
   return largest;
 }
 
+double Population::volume() const {
+  double sum = 0.0;
+  for (const CompartmentPopulation& compartment : compartments) sum += compartment.volume();
+  return sum;
+}
+
 Result<Population> read_population(const std::filesystem::path& file) {
   GRANARY_TRY(const json::Value document, json::read_file(file));
   json::Problems problems;

@@ -20,6 +20,7 @@ struct Population {
   std::vector<CompartmentPopulation> compartments;  ///< in order along the axis
 
   double largest_diameter() const;  ///< [m]; 0 if there are no particles
+  double volume() const;            ///< of all compartments [m^3]
 };
 
 Result<Population> read_population(const std::filesystem::path& file);
