@@ -17,6 +17,7 @@ struct Settings {
   int least_rounds = 2;             ///< whole rounds before "steady" may be said (at least 2: one to compare with)
   int most_rounds = 50;
   double process_start = 0.0;       ///< [s] of process time
+  double earliest_steady = 0.0;     ///< [s] of process time: what begins before it (a spray) has gone through by then
   double process_duration = 100.0;  ///< [s] of process time from process_start
 
   double process_end() const { return process_start + process_duration; }

@@ -298,12 +298,14 @@ class Update {
       if (too_large != nullptr) numbers.set("too_large_change", to_json(*too_large));
     }
     const bool long_enough = s_.steady_time >= settings_.steady_window - kInstant;
+    const bool gone_through = s_.process_clock >= settings_.earliest_steady - kInstant;
     numbers.set("dem_steady", long_enough).set("rounds_agree", settled);
+    numbers.set("earliest_steady_s", settings_.earliest_steady);
 
     const auto ends = [&](End::How how, std::string message) {
       return std::pair{std::optional(how), Why{std::string(name(how)), std::move(message), std::move(numbers)}};
     };
-    if (two_way() && settled && long_enough && last.reason != "drifted" && round >= settings_.least_rounds)
+    if (two_way() && settled && long_enough && gone_through && last.reason != "drifted" && round >= settings_.least_rounds)
       return ends(
           End::How::steady,
           fmt::format("nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} agree "

@@ -201,6 +201,17 @@ TEST(Coupling, IsNotSteadyBeforeTheSteadyWindowOfDemTimeIsFull) {
   EXPECT_EQ(End::How::steady, campaign.only<End>().how);
 }
 
+TEST(Coupling, IsNotSteadyBeforeWhatTheProcessBeginsWithLaterHasGoneThrough) {
+  Settings s = settings();
+  s.earliest_steady = 25.0;  // a round takes 10 s of the process
+  Campaign campaign(s);
+
+  campaign.tell(Began{}).round(1).round(2);
+  EXPECT_EQ(dem(3), campaign.only<StartBurst>().burst) << "at " << campaign.state.process_clock << " s";
+  campaign.round(3);
+  EXPECT_EQ(End::How::steady, campaign.only<End>().how);
+}
+
 TEST(Coupling, IsNotSteadyWhileTheCoupledStateChangesBetweenRounds) {
   Campaign campaign(settings());
   campaign.tell(Began{}).round(1, 50.0, 1.0e-4).round(2, 50.0, 1.07e-4);
