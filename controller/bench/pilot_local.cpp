@@ -302,7 +302,8 @@ class Bench {
       pilot::VirtualLoop loop;
       pilot::SimulatedLauncher launcher(loop, [](const TaskSpec&) { return pilot::SimulatedRun{1.0}; });
       GRANARY_TRY(pilot::Journal journal, pilot::Journal::open(dir / "journal.jsonl"));
-      GRANARY_TRY(const auto site, pilot::Pilot::open({dir, machine_, 0.0}, loop, launcher, journal));
+      GRANARY_TRY(const auto site,
+                  pilot::Pilot::open({.dir = dir, .machine = machine_, .sync_every = 0.0}, loop, launcher, journal));
       for (const TaskSpec& task : tasks_named("t", kTasks, {"/bin/true"})) {
         GRANARY_TRY(const pilot::TaskId id, site->submit(task));
         (void)id;

@@ -115,7 +115,8 @@ Result<SimulationRun> simulate_pilot(const SimulationSize& size, const fs::path&
       loop, [&](const pilot::TaskSpec& spec) { return pilot::SimulatedRun{load.seconds(number_of(spec))}; });
   GRANARY_TRY(pilot::Journal journal, pilot::Journal::open(file, [&] { return loop.wall_time(); }));
   const pilot::Machine machine = pilot::stated_machine(size.nodes, size.cores, kNodeMemory);
-  GRANARY_TRY(const auto pilot, pilot::Pilot::open({dir, machine, 0.0}, loop, launcher, journal));
+  GRANARY_TRY(const auto pilot,
+              pilot::Pilot::open({.dir = dir, .machine = machine, .sync_every = 0.0}, loop, launcher, journal));
   const double resident_before = resident();
 
   const auto begin = Clock::now();

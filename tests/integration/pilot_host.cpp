@@ -29,13 +29,43 @@ Result<std::vector<TaskSpec>> read_tasks(const char* file, const Machine& machin
   return tasks;
 }
 
+/// Kills this process with the n-th start of a task, before or after it: PILOT_HOST_DIE=before:3.
+class DyingLauncher final : public Launcher {
+ public:
+  explicit DyingLauncher(Launcher& real) : real_(real) {
+    const char* when = std::getenv("PILOT_HOST_DIE");
+    if (when == nullptr) return;
+    before_ = std::string(when).starts_with("before:");
+    left_ = std::atoi(std::string(when).substr(std::string(when).find(':') + 1).c_str());
+  }
+  Result<ProcessKey> start(const Launch& launch, std::function<void(const RunEnd&)> ended) override {
+    const bool now = --left_ == 0;
+    if (now && before_) raise(SIGKILL);
+    auto key = real_.start(launch, std::move(ended));
+    if (now) raise(SIGKILL);
+    return key;
+  }
+  void signal(AttemptId attempt, int signal_number) override { real_.signal(attempt, signal_number); }
+  void kill(AttemptId attempt) override { real_.kill(attempt); }
+  void suspend(AttemptId attempt) override { real_.suspend(attempt); }
+  void resume(AttemptId attempt, const std::vector<int>& cores) override { real_.resume(attempt, cores); }
+  Status set_aside(const Launch& earlier, bool own_folder) override { return real_.set_aside(earlier, own_folder); }
+  bool end_orphan(const ProcessKey& key, const std::string& mark) override { return real_.end_orphan(key, mark); }
+
+ private:
+  Launcher& real_;
+  bool before_ = false;
+  int left_ = 0;
+};
+
 Result<TaskListSummary> run(const std::filesystem::path& dir, const char* file, int cores) {
   GRANARY_TRY(const Machine machine, local_machine(cores));
   GRANARY_TRY(const std::vector<TaskSpec> tasks, read_tasks(file, machine));
   GRANARY_TRY(const RunLock lock, RunLock::take(dir));
   GRANARY_TRY(Journal journal, Journal::open(dir / "journal.jsonl"));
   RealLoop loop;
-  LocalLauncher launcher(loop, machine);
+  LocalLauncher real(loop, machine);
+  DyingLauncher launcher(real);
   GRANARY_TRY(const std::unique_ptr<Pilot> pilot, Pilot::open({dir, machine}, loop, launcher, journal));
   GRANARY_TRY(const ControlServer control,
               ControlServer::listen(loop, dir, [&](const json::Value& request) { return pilot->answer(request); }));

@@ -130,6 +130,47 @@ TEST_F(PilotRestart, LosesNothingWhenKilledAtManyMoments) {
   for (const auto& [id, times] : finished) EXPECT_EQ(times, 1) << "task " << id;
 }
 
+TEST_F(PilotRestart, KilledAroundAnyStartLosesNoTaskRunsNoneTwiceAndLeavesNoProcess) {
+  constexpr int kTasks = 8;
+  std::string list;
+  for (int k = 0; k < kTasks; ++k) {
+    list += (k > 0 ? "," : "") + std::string(R"({"name": "t)") + std::to_string(k) +
+            R"(", "command": ["/bin/sh", "-c", "echo $$ >> pids; exec sleep 0.03"]})";
+  }
+  // Would go on for ever: its orphans must be ended.
+  list += R"(, {"name": "long", "priority": 1, "command": ["/bin/sh", "-c",
+              "echo $$ >> pids; test $GRANARY_ATTEMPT -gt 8 || exec sleep 300"]})";
+  write_tasks("{\"tasks\": [" + list + "]}");
+
+  for (const char* when :
+       {"before:1", "after:1", "before:2", "after:2", "before:3", "after:3", "after:4", "before:5"}) {
+    setenv("PILOT_HOST_DIE", when, 1);
+    start_host();
+    int status = 0;
+    waitpid(host, &status, 0);
+    host = -1;
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << when;
+  }
+  unsetenv("PILOT_HOST_DIE");
+  // It has gone through eight attempts by now, unless it was killed before its start.
+  const json::Value summary = run_host();
+
+  EXPECT_EQ(summary.integer_or("finished", 0), kTasks + 1);
+  const auto journal = read_journal(dir / "journal.jsonl");
+  ASSERT_TRUE(journal.has_value());
+  std::map<std::int64_t, int> finished;
+  for (const Record& record : journal->records) {
+    const std::int64_t id = record.payload.integer_or("id", -1);
+    if (record.kind == "task.place") EXPECT_EQ(finished[id], 0) << "task " << id << " ran again";
+    finished[id] += record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0;
+  }
+  for (int id = 0; id <= kTasks; ++id) EXPECT_EQ(finished[id], 1) << "task " << id;
+  std::ifstream pids(dir / "pids");
+  int n = 0;
+  for (int pid = 0; pids >> pid; ++n) EXPECT_FALSE(is_alive(pid)) << pid;
+  EXPECT_GE(n, kTasks + 1);
+}
+
 TEST_F(PilotRestart, AnswersAndStopsThroughItsSocket) {
   write_tasks(
       R"({"tasks": [{"name": "long", "command": ["sleep", "300"]}, {"name": "next", "after": ["long"], "command": ["true"]}]})");

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <map>
 
 #include "common/json/io.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
@@ -23,19 +24,28 @@ using ::testing::HasSubstr;
 
 /// A simulated site; a task's running time is asked of `model`, 10 s by default.
 struct Simulation {
-  explicit Simulation(Machine m)
-      : machine(std::move(m)), opened(Pilot::open({"/campaign", machine}, loop, launcher, journal)), pilot(**opened) {
+  /// `past`: what an earlier pilot has left in the journal.
+  explicit Simulation(Machine m, const std::vector<Record>& past = {})
+      : journal(with(past)),
+        machine(std::move(m)),
+        opened(Pilot::open({"/campaign", machine}, loop, launcher, journal)),
+        pilot(**opened) {
     pilot.on_end([this](const TaskEnd& end) { ended.push_back(end.name); });
   }
   VirtualLoop loop;
   std::function<SimulatedRun(const TaskSpec&)> model = [](const TaskSpec&) { return SimulatedRun{10.0}; };
   SimulatedLauncher launcher{loop, [this](const TaskSpec& spec) { return model(spec); }};
-  Journal journal = Journal::in_memory([this] { return loop.wall_time(); });
+  Journal journal;
   Machine machine;
   Result<std::unique_ptr<Pilot>> opened;
   Pilot& pilot;
   std::vector<std::string> ended;
 
+  Journal with(const std::vector<Record>& past) {
+    Journal memory = Journal::in_memory([this] { return loop.wall_time(); });
+    for (const Record& record : past) EXPECT_TRUE(memory.append(record.kind, record.payload).has_value());
+    return memory;
+  }
   TaskId submit(const TaskSpec& spec) {
     const auto id = pilot.submit(spec);
     EXPECT_TRUE(id.has_value()) << id.error().message;
@@ -177,6 +187,44 @@ TEST(Pilot, ReplayGivesTheSameTableAfterEveryRecord) {
 
   for (const Task& task : table.tasks) EXPECT_EQ(task.state, site.pilot.state(task.id)) << task.spec.name;
   EXPECT_EQ(table.tasks.at(1).attempts.size(), 2u);
+}
+
+TEST(Pilot, KilledBehindAnyRecordRunsEachTaskToItsEndOnceAndNoneThatFinishedAgain) {
+  const auto model = [](const TaskSpec& spec) {
+    return SimulatedRun{spec.fill ? 9.0 : 4.0, spec.name == "bad" ? 1 : 0};
+  };
+  const auto queue_all = [](Pilot& pilot) {
+    std::vector<TaskSpec> tasks{a_task("f").fills(), a_task("k").fills(Preempt::kill), a_task("bad").retries(1),
+                                a_task("m").light(), a_task("wide").needs(3),          a_task("late").after({"wide"})};
+    for (int k = 0; k < 6; ++k) tasks.push_back(a_task("t" + std::to_string(k)).needs(1 + k % 2));
+    for (const TaskSpec& task : tasks) ASSERT_TRUE(pilot.submit(task).has_value());
+  };
+  Simulation whole(stated_machine(1, 3));
+  whole.model = model;
+  queue_all(whole.pilot);
+  whole.loop.run();
+  const std::vector<Record> records = whole.journal.records();
+  ASSERT_GT(records.size(), 40u);
+
+  for (std::size_t kept = 1; kept <= records.size(); ++kept) {
+    Simulation next(stated_machine(1, 3),
+                    std::vector<Record>(records.begin(), records.begin() + static_cast<int>(kept)));
+    next.model = model;
+    queue_all(next.pilot);
+    next.loop.run();
+
+    ASSERT_EQ(next.pilot.ends().size(), 12u) << "killed behind record " << kept;
+    std::map<std::int64_t, int> finished;
+    for (const Record& record : next.journal.records()) {
+      const std::int64_t id = record.payload.integer_or("id", -1);
+      if (record.kind == "task.place") EXPECT_EQ(finished[id], 0) << "task " << id << ", killed behind record " << kept;
+      finished[id] += record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0;
+    }
+    for (const TaskEnd& end : next.pilot.ends()) {
+      EXPECT_EQ(finished[end.id.value], end.name == "bad" ? 0 : 1) << end.name << ", killed behind record " << kept;
+      EXPECT_EQ(end.state, end.name == "bad" ? TaskState::failed : TaskState::finished);
+    }
+  }
 }
 
 /// One life of a pilot on a journal file.
