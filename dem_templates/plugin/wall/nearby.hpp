@@ -13,7 +13,7 @@ struct NearPart {
 };
 
 /// Costs only time when it is lost; starts empty.
-struct Nearby {
+struct alignas(64) Nearby {
   static constexpr std::size_t kMost = 29;
 
   std::array<float, 3> place{};  ///< of the centre then

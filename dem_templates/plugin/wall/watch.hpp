@@ -12,21 +12,22 @@ namespace granary::dem {
 class Watch {
  public:
   void resize(std::size_t n_particles) {
-    looks_.resize(n_particles);
+    for (std::vector<float>* of : {&x_, &y_, &z_, &room2_, &clear_}) of->resize(n_particles);
+    is_due_.resize(n_particles);
     nearby_.resize(n_particles);
   }
   void copy(std::size_t from, std::size_t to) {
-    looks_[to] = looks_[from];
+    for (std::vector<float>* of : {&x_, &y_, &z_, &room2_, &clear_}) (*of)[to] = (*of)[from];
     nearby_[to] = nearby_[from];
   }
   /// The particle has not been looked at: it is due.
   void forget(std::size_t particle) {
-    looks_[particle] = {};
+    room2_[particle] = clear_[particle] = 0.0f;
     nearby_[particle].complete = 0.0f;
   }
   Nearby& nearby(std::size_t particle) { return nearby_[particle]; }
   void forget_all() {
-    for (std::size_t i = 0; i < looks_.size(); ++i) forget(i);
+    for (std::size_t i = 0; i < nearby_.size(); ++i) forget(i);
   }
 
   /// here: the centre in the body's frame; clear: the distance that the surface keeps from there at least [m].
@@ -39,15 +40,13 @@ class Watch {
   const std::vector<std::uint32_t>& due(const WallBody& body, const double* places, std::size_t n);
 
  private:
-  /// Single precision halves what must be read each step; the room is kept smaller by more than that can be wrong.
-  struct Look {
-    float x = 0.0f, y = 0.0f, z = 0.0f;  ///< of the centre, in the body's frame
-    float room2 = 0.0f;                  ///< it may move by the root of this [m^2]; not above 0: due
-    float clear = 0.0f;                  ///< distance of the surface then, at least; 0: not looked at yet [m]
-  };
-
-  std::vector<Look> looks_;
+  /// The last looks, in single precision: half as much must be read each step. The room is kept smaller by more than
+  /// that can be wrong.
+  std::vector<float> x_, y_, z_;  ///< of the centre, in the body's frame
+  std::vector<float> room2_;      ///< it may move by the root of this [m^2]; not above 0: due
+  std::vector<float> clear_;      ///< distance of the surface then, at least; 0: not looked at yet [m]
   std::vector<Nearby> nearby_;
+  std::vector<std::uint8_t> is_due_;
   std::vector<std::uint32_t> due_;
 };
 
