@@ -25,7 +25,7 @@ struct SimulationRun {
   double lower_bound = 0.0;  ///< no schedule ends earlier: all core seconds on all cores, or the longest chain [s]
   double core_use = 0.0;     ///< busy core seconds of makespan x cores
   double placements_per_s() const { return static_cast<double>(finished) / (submit_s + run_s); }
-  double cost_per_task() const { return (submit_s + run_s) / static_cast<double>(finished); }  ///< [s]
+  double cost_per_task() const { return cpu_s / static_cast<double>(finished); }  ///< [s of CPU]
 };
 
 /// A mixed load, the same for the same size: 70 % single cores, 30 % MPI with 2 to 4096 ranks (log-uniform), 0.1 s to 1

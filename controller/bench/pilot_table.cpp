@@ -65,10 +65,10 @@ std::string slurm_table(const Value& slurm) {
 
 std::string simulation_table(const Value& simulation) {
   std::string text = "\nSimulated: the same scheduler, journal and life cycle on virtual time\n";
-  text += fmt::format("{:>8} {:>6} {:>9} {:>12} {:>10} {:>10} {:>12} {:>12} {:>9}\n", "nodes", "cores", "tasks",
-                      "placements/s", "us a task", "B a task", "makespan s", "lower bound", "core use");
+  text += fmt::format("{:>8} {:>6} {:>9} {:>12} {:>11} {:>10} {:>12} {:>12} {:>9}\n", "nodes", "cores", "tasks",
+                      "placements/s", "us CPU each", "B a task", "makespan s", "lower bound", "core use");
   for (const Value& run : simulation["scaling"].items_or_none()) {
-    text += fmt::format("{:>8} {:>6} {:>9} {:>12.0f} {:>10.1f} {:>10.0f} {:>12.0f} {:>12.0f} {:>9}\n",
+    text += fmt::format("{:>8} {:>6} {:>9} {:>12.0f} {:>11.1f} {:>10.0f} {:>12.0f} {:>12.0f} {:>9}\n",
                         run.integer_or("nodes", 0), run.integer_or("cores", 0), run.integer_or("tasks", 0),
                         run.number_or("placements_per_s", 0.0), 1e6 * run.number_or("cost_per_task_s", 0.0),
                         run.number_or("bytes_per_task", 0.0), run.number_or("makespan_s", 0.0),

@@ -7,6 +7,7 @@
 #include "common/json/io.hpp"
 #include "controller/bench/pilot_local.hpp"
 #include "controller/bench/pilot_simulation.hpp"
+#include "controller/bench/pilot_slurm.hpp"
 #include "controller/bench/pilot_table.hpp"
 #include "controller/commands/commands.hpp"
 
@@ -48,6 +49,7 @@ Value as_json(const bench::SimulationRun& run) {
                         {"run_s", run.run_s},
                         {"cpu_s", run.cpu_s},
                         {"placements_per_s", run.placements_per_s()},
+                        {"placements_per_cpu_s", run.finished / run.cpu_s},
                         {"cost_per_task_s", run.cost_per_task()},
                         {"bytes_per_task", run.bytes_per_task},
                         {"journal_bytes_per_task", run.journal_bytes / run.size.tasks},
@@ -74,6 +76,7 @@ Result<Value> simulate(const bench::SimulationSize& size, const fs::path& dir,
   }
   const Value& last = rows.items().back();
   Value document = Value::object({{"placements_per_s", last["placements_per_s"]},
+                                  {"placements_per_cpu_s", last["placements_per_cpu_s"]},
                                   {"bytes_per_task", last["bytes_per_task"]},
                                   {"core_use", last["core_use"]},
                                   {"lower_bound", last["lower_bound_s"]},
@@ -98,14 +101,25 @@ Result<Exit> bench_pilot(const PilotBenchOptions& options) {
   const fs::path below = options.dir.empty() ? fs::temp_directory_path() : options.dir;
   GRANARY_TRY(const Scratch scratch, Scratch::make(below));
   Value document = Value::object();
-  if (options.simulate.empty()) {
+  if (options.simulate.empty() && !options.slurm) {
     bench::LocalBench local{scratch.dir(), options.cores};
     if (options.quick) {
       local.tasks = 1000;
       local.seconds = 1.0;
     }
     GRANARY_TRY(document, bench::run_local_pilot_bench(local, say));
+  }
+  if (options.slurm || (options.simulate.empty() && bench::in_slurm_job())) {
+    std::error_code error;
+    fs::create_directory(scratch.dir() / "slurm", error);
+    GRANARY_TRY(Value slurm, bench::run_slurm_pilot_bench({scratch.dir() / "slurm"}, say));
+    document.set("slurm", std::move(slurm));
+  } else if (options.simulate.empty()) {
     document.set("slurm", Value()).set("slurm_why", "measured inside a job of Slurm only: docs/slurm.md");
+  }
+  if (options.slurm) {
+    fmt::print("{}\n", json::dump(document, 1));
+    return Exit::ok;
   }
   GRANARY_TRY(Value simulated, simulate(size, scratch.dir(), say));
   document.set("simulate", std::move(simulated));

@@ -65,9 +65,15 @@ void ReadyQueue::refresh(const Group& group) {
   for (const Group* other : level.groups[{group.bucket, nodes}]) {
     if (!other->passed && !other->tasks.empty()) first = std::min(first, number_of(*other->tasks.begin()));
   }
-  level.by_duration[static_cast<std::size_t>(group.bucket)].set(nodes, first);
-  std::uint64_t any = MinTree::kNone;
-  for (const MinTree& tree : level.by_duration) any = std::min(any, tree.at(nodes));
+  MinTree& own = level.by_duration[static_cast<std::size_t>(group.bucket)];
+  const std::uint64_t before = own.at(nodes);
+  if (first == before) return;
+  own.set(nodes, first);
+  std::uint64_t any = std::min(first, level.any.at(nodes));
+  if (any == before) {  // it was the first of all; who is it now?
+    any = first;
+    for (const MinTree& tree : level.by_duration) any = std::min(any, tree.at(nodes));
+  }
   level.any.set(nodes, any);
   tops_.set(group.layout.small, level.any.smallest());
 }

@@ -83,14 +83,22 @@ void Resources::set_use(int core, Use use) {
 }
 
 /// Gives cores to a task, or back from it (nobody's id), a stretch on one node at a time.
-void Resources::set_holder(const CoreSet& cores, TaskId id, double end, Use use) {
+void Resources::set_holder(const CoreSet& cores, TaskId id, double end, Use from, Use to) {
   for (const CoreSet::Stretch& stretch : cores.stretches()) {
     const int last = stretch.first + stretch.count;
     for (int core = stretch.first; core < last;) {
       const int node = node_of(core), stop = std::min(last, end_core(node));
       std::fill(holder_.begin() + core, holder_.begin() + stop, id);
       std::fill(end_.begin() + core, end_.begin() + stop, end);
-      for (; core < stop; ++core) set_use(core, use == Use::idle && claimed_[index(core)] ? Use::claimed : use);
+      if (n_claimed_ == 0) {
+        std::fill(use_.begin() + core, use_.begin() + stop, to);
+        NodeState& state = nodes_[index(node)];
+        state.idle += ((to == Use::idle) - (from == Use::idle)) * (stop - core);
+        state.lent += ((to == Use::lent) - (from == Use::lent)) * (stop - core);
+      } else {
+        for (int k = core; k < stop; ++k) set_use(k, to == Use::idle && claimed_[index(k)] ? Use::claimed : to);
+      }
+      core = stop;
       reindex(node);
     }
   }
@@ -98,7 +106,7 @@ void Resources::set_holder(const CoreSet& cores, TaskId id, double end, Use use)
 
 void Resources::take(TaskId id, Hold hold) {
   hold.cores.for_each([&](int core) { GRANARY_ASSERT(is_free(core), core); });
-  set_holder(hold.cores, id, hold.end, hold.lends ? Use::lent : Use::taken);
+  set_holder(hold.cores, id, hold.end, Use::idle, hold.lends ? Use::lent : Use::taken);
   n_free_ -= hold.cores.size();
   if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
     auto& shares = memory_of_[id.value];
@@ -113,7 +121,7 @@ void Resources::take(TaskId id, Hold hold) {
 
 void Resources::release(TaskId id, bool keep_memory) {
   if (const auto held = holds_.find(id.value); held != holds_.end()) {
-    set_holder(held->second.cores, TaskId{}, 0.0, Use::idle);
+    set_holder(held->second.cores, TaskId{}, 0.0, held->second.lends ? Use::lent : Use::taken, Use::idle);
     n_free_ += held->second.cores.size();
     holds_.erase(held);
   }
@@ -155,6 +163,7 @@ void Resources::regain_node(int node) {
 void Resources::claim(const CoreSet& cores) {
   cores.for_each([&](int core) {
     claimed_[index(core)] = true;
+    ++n_claimed_;
     if (use_[index(core)] != Use::taken) set_use(core, is_free(core) ? Use::claimed : Use::taken);
     reindex(node_of(core));
   });
@@ -163,6 +172,7 @@ void Resources::claim(const CoreSet& cores) {
 void Resources::unclaim(const CoreSet& cores) {
   cores.for_each([&](int core) {
     claimed_[index(core)] = false;
+    --n_claimed_;
     const Hold* hold = is_free(core) ? nullptr : held_by(holder(core));
     set_use(core, hold == nullptr ? Use::idle : hold->lends ? Use::lent : Use::taken);
     reindex(node_of(core));

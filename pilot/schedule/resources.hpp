@@ -92,7 +92,7 @@ class Resources {
 
   void set_use(int core, Use use);
   void reindex(int node);
-  void set_holder(const CoreSet& cores, TaskId id, double end, Use use);
+  void set_holder(const CoreSet& cores, TaskId id, double end, Use from, Use to);
 
   Machine machine_;
   std::vector<int> node_of_;     ///< by core
@@ -103,7 +103,7 @@ class Resources {
   std::vector<bool> claimed_;    ///< by core
   std::vector<NodeState> nodes_;
   NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;
-  int n_free_ = 0, n_down_ = 0;
+  int n_free_ = 0, n_down_ = 0, n_claimed_ = 0;
   std::vector<int> gained_;
   std::unordered_map<int, Hold> holds_;                                           ///< by task id
   std::unordered_map<int, std::vector<std::pair<int, std::int64_t>>> memory_of_;  ///< by task id: node, bytes
