@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <utility>
 #include <vector>
 
 namespace granary::watch {
@@ -20,11 +21,11 @@ void JournalTail::read(const std::function<void()>& again, const std::function<v
   if (known && (info.st_ino != inode_ || static_cast<std::uint64_t>(info.st_size) < offset_)) {
     if (inode_ != 0) again();
     inode_ = info.st_ino;
-    offset_ = damaged_ = 0;
+    offset_ = bad_ = damaged_ = 0;
   }
   std::string text;
   std::vector<char> chunk(kChunk);
-  std::uint64_t at = offset_, bad = 0;
+  std::uint64_t at = offset_;
   for (ssize_t n; known && (n = pread(fd, chunk.data(), chunk.size(), static_cast<off_t>(at))) > 0;) {
     at += static_cast<std::uint64_t>(n);
     text.append(chunk.data(), static_cast<std::size_t>(n));
@@ -33,11 +34,10 @@ void JournalTail::read(const std::function<void()>& again, const std::function<v
       const std::string_view whole = std::string_view(text).substr(begin, end - begin);
       const auto line = pilot::has_good_sum(whole) ? pilot::read_line(whole) : std::nullopt;
       if (!line) {
-        ++bad;  // the torn tail of a killed pilot, unless a good one follows
+        ++bad_;
         continue;
       }
-      damaged_ += bad;
-      bad = 0;
+      damaged_ += std::exchange(bad_, 0);
       fn(*line);
     }
     offset_ += begin;

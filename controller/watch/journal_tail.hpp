@@ -27,6 +27,7 @@ class JournalTail {
   std::filesystem::path file_;
   ino_t inode_ = 0;
   std::uint64_t offset_ = 0;  ///< behind the last line taken
+  std::uint64_t bad_ = 0;     ///< bad lines since the last good one: a torn tail of a killed pilot, so far
   std::uint64_t damaged_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/watch/text_chart.hpp"
 #include "controller/watch/words.hpp"
@@ -46,12 +47,14 @@ class Screen {
       process();
       steadiness();
     }
+    const std::vector<Row> above = std::exchange(rows_, {});
     cores();
-    const std::vector<Row> tasks = task_rows();
+    running_tasks();
+    const std::vector<Row> below = std::exchange(rows_, above);
     // A few events are always shown; the chart takes what is left, up to a height beyond which it tells no more.
-    const int left = size_.rows - static_cast<int>(rows_.size() + tasks.size());
+    const int left = size_.rows - static_cast<int>(above.size() + below.size());
     if (view_.coupled) charts(std::clamp(left - 10, 0, 8));
-    rows_.insert(rows_.end(), tasks.begin(), tasks.end());
+    rows_.insert(rows_.end(), below.begin(), below.end());
     events();
     rows_.resize(std::min(rows_.size(), static_cast<std::size_t>(std::max(1, size_.rows))));
     return std::move(rows_);
@@ -84,7 +87,8 @@ class Screen {
     if (!view_.burst) return;
     const Burst& burst = *view_.burst;
     const double share = burst.longest > 0.0 ? (view_.burst_time - burst.start) / burst.longest : 0.0;
-    add({{fmt::format("{:<{}}", burst_words(burst.folder).substr(0, 9), kLabel), burst.dem ? Ink::dem : Ink::pbm},
+    add({{fmt::format("{:<{}}", fmt::format("{} {}", burst.dem ? "DEM" : "PBM", burst.round), kLabel),
+          burst.dem ? Ink::dem : Ink::pbm},
          {bar(share, bar_columns(), unicode_), burst.dem ? Ink::dem : Ink::pbm},
          {fmt::format(" {:.4g} s of {:.4g} to {:.4g} s of {} time", view_.burst_time, burst.start,
                       burst.start + burst.longest, burst.dem ? "DEM" : "process")}});
@@ -109,16 +113,16 @@ class Screen {
     };
     Row row = {label("steady?"),
                mark(steady.dem_quiet),
-               {fmt::format("DEM quiet {:.3g} of {:.3g} s  ", steady.quiet_time, steady.window)},
+               {fmt::format("quiet {:.3g}/{:.3g} s  ", steady.quiet_time, steady.window)},
                mark(steady.rounds >= steady.least_rounds),
-               {fmt::format("{} of {} rounds  ", steady.rounds, steady.least_rounds)},
+               {fmt::format("rounds {}/{}  ", steady.rounds, steady.least_rounds)},
                mark(steady.rounds_agree)};
+    const double allowed = 100.0 * steady.tolerance;
     if (std::isnan(steady.change))
-      row.push_back({fmt::format("rounds within {}: two are needed", percent(steady.tolerance))});
+      row.push_back({fmt::format("differ ?/{:.3g} %: two rounds are needed", allowed)});
     else
-      row.push_back(
-          {fmt::format("rounds differ {} of {}: {}{}", percent(std::abs(steady.change)), percent(steady.tolerance),
-                       steady.changed, steady.where == "all" ? "" : ", " + steady.where)});
+      row.push_back({fmt::format("differ {:.3g}/{:.3g} %: {}{}", 100.0 * std::abs(steady.change), allowed,
+                                 steady.changed, steady.where == "all" ? "" : ", " + steady.where)});
     add(std::move(row));
   }
 
@@ -163,8 +167,8 @@ class Screen {
     const ContactPoint& now = view_.contacts.back();
     add({label("contacts"),
          {lines[0], Ink::dem},
-         {fmt::format(" {:.3g} collisions, {:.3g} impacts/s of a particle, {:.0f} in the DEM", now.collisions,
-                      now.impacts, now.particles)}});
+         {fmt::format(" {:.3g} collisions, {:.3g} impacts/s each; {:.0f} particles", now.collisions, now.impacts,
+                      now.particles)}});
   }
 
   void cores() {
@@ -210,22 +214,19 @@ class Screen {
     return area(resampled(time, total, columns), 0.0, view_.cores, 1, unicode_)[0];
   }
 
-  std::vector<Row> task_rows() const {
-    std::vector<Row> rows;
+  void running_tasks() {
     const std::size_t most = static_cast<std::size_t>(std::max(2, size_.rows / 4));
-    for (const RunningTask& task : view_.tasks) {
-      if (rows.size() == most) {
-        rows.push_back({{fmt::format("{:{}}and {} more", "", kLabel, view_.tasks.size() - most), Ink::soft}});
-        break;
-      }
+    for (std::size_t k = 0; k < std::min(most, view_.tasks.size()); ++k) {
+      const RunningTask& task = view_.tasks[k];
       std::string where = task.cores.empty() ? "no core" : fmt::format("core {}", task.cores.front());
       if (task.cores.size() > 1) where = fmt::format("{} cores from {}", task.cores.size(), task.cores.front());
-      rows.push_back({{fmt::format("{:{}}", "", kLabel)},
-                      {fmt::format("{:<24}", task.name), ink_of_kind(task.kind)},
-                      {fmt::format(" {:<10} {:>12}  {}{}", task.state, duration(task.seconds), where,
-                                   task.attempt > 1 ? fmt::format(", attempt {}", task.attempt) : "")}});
+      add({{fmt::format("{:{}}", "", kLabel)},
+           {fmt::format("{:<24}", task.name), ink_of_kind(task.kind)},
+           {fmt::format(" {:<10} {:>12}  {}{}", task.state, duration(task.seconds), where,
+                        task.attempt > 1 ? fmt::format(", attempt {}", task.attempt) : "")}});
     }
-    return rows;
+    if (view_.tasks.size() > most)
+      add({{fmt::format("{:{}}and {} more", "", kLabel, view_.tasks.size() - most), Ink::soft}});
   }
 
   void events() {

@@ -64,12 +64,9 @@ std::optional<TimeLeft> time_left_coupled(const View& view, double longest_dem_b
       std::min(most, std::max({1.0, static_cast<double>(steady.least_rounds - steady.rounds), for_window}));
   const double gone = now - round.began;
   const auto after = [&](double rounds) { return std::max(0.0, rounds * round.wall - gone); };
-  return TimeLeft{
-      after(least), after(most),
-      fmt::format("{} a round ({}); {:.0f} more at least to be called steady, {:.0f} at most to the end of the "
-                  "process or of the rounds allowed",
-                  duration(round.wall), round.n == 1 ? "the last one" : fmt::format("mean of the last {}", round.n),
-                  least, most)};
+  return TimeLeft{after(least), after(most),
+                  fmt::format("{} a round (mean of {}): {:.0f} to steady at the earliest, {:.0f} to the end of all",
+                              duration(round.wall), round.n, least, most)};
 }
 
 std::optional<TimeLeft> time_left_tasks(std::int64_t ended, std::int64_t left, double now) {
