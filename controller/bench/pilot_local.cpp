@@ -105,6 +105,7 @@ class Bench {
     GRANARY_CHECK(latency());
     GRANARY_CHECK(dispatch());
     GRANARY_CHECK(core_use());
+    GRANARY_CHECK(fillers());
     GRANARY_CHECK(startup());
     GRANARY_CHECK(idle());
     GRANARY_CHECK(mpi());
@@ -193,6 +194,38 @@ class Bench {
       bare.set(seconds, n * each / machine_.n_cores() / limit);
     }
     figures_.set("core_use", std::move(ours)).set("core_use_of_bare_starts", std::move(bare));
+    return {};
+  }
+
+  /// All cores are fillers'; from a task's submission to its first line.
+  Status fillers() {
+    constexpr int kTimes = 50;
+    say_("a filler gives way to a task that is ready");
+    const fs::path dir = bench_.dir / "fillers";
+    GRANARY_TRY(const auto site, Site::open(dir, machine_));
+    for (TaskSpec filler : tasks_named("filler", machine_.n_cores(), {"/bin/sleep", "600"})) {
+      filler.fill = true;
+      GRANARY_TRY(const pilot::TaskId id, site->pilot->submit(filler));
+      (void)id;
+    }
+    site->loop.after(0.2, [&] { site->loop.stop(); });
+    site->loop.run();
+    site->pilot->on_end([&](const TaskEnd& end) {
+      if (end.name.starts_with("t")) site->loop.stop();
+    });
+    std::vector<double> times;
+    for (const TaskSpec& task : tasks_named("t", kTimes, {stamp()})) {
+      const double begin = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+      GRANARY_TRY(const pilot::TaskId id, site->pilot->submit(task));
+      (void)id;
+      site->loop.run();
+      double first = 0.0;
+      std::ifstream(dir / (task.name + ".out")) >> first;
+      times.push_back(1e3 * (1e-9 * first - begin));
+    }
+    site->pilot->stop_all("the bench is over");
+    site->loop.run();
+    figures_.set("filler_gives_way_ms", Value::object({{"p50", quantile(times, 0.5)}, {"p99", quantile(times, 0.99)}}));
     return {};
   }
 

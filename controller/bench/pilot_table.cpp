@@ -33,6 +33,10 @@ std::string local_table(const Value& d) {
                             percent(d["core_use_of_bare_starts"][seconds])),
                 percent(d["core_use"][seconds]), target);
   }
+  text += row("a filler gives way to a ready task, p50 / p99",
+              fmt::format("{:.2f} / {:.2f} ms", d["filler_gives_way_ms"].number_or("p50", 0.0),
+                          d["filler_gives_way_ms"].number_or("p99", 0.0)),
+              "<= 10 ms");
   text += row("start-up to first task done", fmt::format("{:.0f} ms", d.number_or("startup_ms", 0.0)), "<= 50 ms");
   text += row("idle pilot",
               fmt::format("{:.2f} %, {:.1f} MB", 100.0 * d["idle"].number_or("core_share", 0.0),
