@@ -34,7 +34,8 @@ constexpr std::size_t kLongestHeader = 8192;    ///< [bytes]
 
 // Nothing from elsewhere, no frames, no referrer that gives the token away, nothing kept.
 constexpr std::string_view kSafety =
-    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src "
+    "data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
     "X-Content-Type-Options: nosniff\r\n"
     "Referrer-Policy: no-referrer\r\n"

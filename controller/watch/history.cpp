@@ -8,6 +8,7 @@
 #include "controller/run/handover.hpp"
 #include "controller/watch/words.hpp"
 #include "pilot/journal/text.hpp"
+#include "pilot/task/core_set.hpp"
 
 namespace granary::watch {
 
@@ -18,6 +19,13 @@ constexpr std::size_t kMostHappenings = 200;
 std::string capital(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
   return text;
+}
+
+/// How many cores a record names: "0-3,8", or a list in journals of before.
+int n_cores_in(const json::Value& cores) {
+  if (!cores.is_string()) return static_cast<int>(cores.items_or_none().size());
+  const auto set = pilot::CoreSet::parse(cores.as_string());
+  return set ? set->size() : 0;
 }
 
 std::string burst_of_event(const json::Value& event) {
@@ -93,11 +101,12 @@ void History::of_task(std::string_view what, const json::Value& payload) {
     tasks_.insert_or_assign(id, std::move(task));
     return;
   }
+  if (what == "past") return past_task(payload);
   const auto found = tasks_.find(id);
   if (found == tasks_.end()) return;
   Task& task = found->second;
   if (what == "place" || what == "resume") {
-    task.cores = static_cast<int>(payload["cores"].items_or_none().size());
+    task.cores = n_cores_in(payload["cores"]);
     task.since = last_time_;
   } else if (what == "suspend" || what == "preempt") {
     leave_cores(task);
@@ -117,6 +126,21 @@ void History::of_task(std::string_view what, const json::Value& payload) {
     say(Level::warning, fmt::format("{} could not be started: {}", task.name, payload.text_or("reason", "")));
   } else if (what == "exit") {
     task_exited(task, payload);
+  }
+}
+
+/// A task that ended before the journal was compacted: what is left of it are its stretches of time on cores.
+void History::past_task(const json::Value& payload) {
+  const json::Value& fill = payload["task"]["fill"];
+  const std::string kind = run::kind_of_task(payload["task"].text_or("name", "?"), fill.is_bool() && fill.as_bool());
+  fillers_ += kind == "estimation";
+  fillers_done_ += kind == "estimation" && payload.text_or("state", "") == "finished";
+  for (const json::Value& attempt : payload["attempts"].items_or_none()) {
+    for (const json::Value& piece : attempt["pieces"].items_or_none()) {
+      const json::Array& parts = piece.items_or_none();
+      if (parts.size() < 3 || !parts[0].is_number() || !parts[1].is_number()) continue;
+      core_seconds_.add(kind, parts[0].as_number(), parts[1].as_number(), n_cores_in(parts[2]));
+    }
   }
 }
 

@@ -53,6 +53,7 @@ class History {
   void pilot_opened(const json::Value& payload, double wall_time);
   void of_task(std::string_view kind, const json::Value& payload);
   void task_exited(Task& task, const json::Value& payload);
+  void past_task(const json::Value& payload);
   void leave_cores(Task& task);
   void coupling_event(const json::Value& event);
   void decision(const json::Value& decision);

@@ -43,8 +43,9 @@ class RecordedCampaign {
   void submit(int id, const std::string& task) {
     record("task.submit", 0.0, fmt::format(R"({{"time_s":0.0,"id":{},"task":{}}})", id, task));
   }
+  /// `cores` as text: "0-3,8".
   void place(double time, int id, const std::string& cores) {
-    record("task.place", time, fmt::format(R"({{"time_s":{},"id":{},"attempt":1,"cores":{}}})", time, id, cores));
+    record("task.place", time, fmt::format(R"({{"time_s":{},"id":{},"attempt":1,"cores":"{}"}})", time, id, cores));
   }
   void exit(double time, int id, int code) {
     record("task.exit", time,

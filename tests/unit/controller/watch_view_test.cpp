@@ -204,8 +204,8 @@ TEST_F(Watch, UsesOfCoresAreWhatTheJournalSays) {
   campaign.open(0.0, 4);
   campaign.submit(0, R"({"name":"a","command":["x"]})");
   campaign.submit(1, R"({"name":"b","command":["x"],"fill":true})");
-  campaign.place(0.0, 0, "[0,1]");
-  campaign.place(0.0, 1, "[2]");
+  campaign.place(0.0, 0, "0-1");
+  campaign.place(0.0, 1, "2");
   campaign.exit(6.0, 0, 0);
   campaign.record("task.suspend", 2.0, R"({"time_s":7.0,"id":1,"attempt":1})");
   campaign.record("task.resume", 2.0, R"({"time_s":9.0,"id":1,"attempt":1,"cores":[3]})");
@@ -221,13 +221,24 @@ TEST_F(Watch, UsesOfCoresAreWhatTheJournalSays) {
   EXPECT_EQ(Exit::ok, view.exit);
 }
 
+TEST_F(Watch, CountsTheCoresOfTasksOfACompactedJournal) {
+  campaign.tasks();
+  campaign.open(0.0, 2);
+  campaign.record(
+      "task.past", 10.0,
+      R"({"id":0,"state":"finished","task":{"name":"a"},"attempts":[{"pieces":[[1.0,4.0,"0-1"],[5.0,6.0,"1"]]}]})");
+  campaign.close(10.0);
+
+  EXPECT_NEAR((2.0 * 3.0 + 1.0) / 20.0, watcher.look().core_use, 1e-12);
+}
+
 TEST_F(Watch, AFailedTaskIsAWarningAndAMonitorsVerdictIsNone) {
   campaign.tasks();
   campaign.open();
   campaign.submit(0, R"({"name":"bad","command":["x"]})");
   campaign.submit(1, R"({"name":"0001-dem-monitor","command":["x"]})");
-  campaign.place(0.0, 0, "[0]");
-  campaign.place(0.0, 1, "[]");
+  campaign.place(0.0, 0, "0");
+  campaign.place(0.0, 1, "");
   campaign.exit(1.0, 0, 7);
   campaign.exit(1.0, 1, 10);
   campaign.close(1.0);
@@ -379,7 +390,7 @@ TEST_F(Watch, PlainLinesCountEndsOfManyTasksInsteadOfTellingEach) {
   (void)plain.lines(watcher.look(), 0.0);
   for (int id = 0; id < 20; ++id) {
     campaign.submit(id, R"({"name":"t","command":["x"]})");
-    campaign.place(1.0, id, "[0]");
+    campaign.place(1.0, id, "0");
     campaign.exit(1.0, id, 0);
   }
 
