@@ -52,26 +52,33 @@ const Difference& Comparison::worst() const {
   return found != all.end() ? *found : none;
 }
 
-Result<Comparison> compare_walls(const dem::DemCase& asked, int seeds, const fs::path& scratch,
-                                 const std::vector<std::string>& only) {
-  std::array<std::vector<std::vector<Value>>, 2> windows;
-  for (auto& of_kind : windows) of_kind.resize(static_cast<std::size_t>(seeds));
+Result<Comparison> compare(const dem::DemCase& a, const dem::DemCase& b, int seeds, const fs::path& scratch,
+                           const std::vector<std::string>& only) {
+  const auto n = static_cast<std::size_t>(seeds);
+  std::array<std::vector<std::vector<Value>>, 2> windows{std::vector<std::vector<Value>>(n),
+                                                         std::vector<std::vector<Value>>(n)};
   const auto measure = [&](std::size_t k) -> Status {
-    dem::DemCase c = asked;
-    // Stock walls first, as they take longest.
-    const std::size_t kind = k < static_cast<std::size_t>(seeds) ? 0 : 1, seed = k % static_cast<std::size_t>(seeds);
-    c.walls = kind == 0 ? dem::Walls::stock : dem::Walls::granary;
-    c.seed = asked.seed + 7919 * static_cast<long>(k);  // both kinds independent of each other as well
-    GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("{}-{}-{}", asked.name, kind, seed)));
-    windows[kind][seed] = std::move(burst.windows);
+    const std::size_t which = k / n;  // a's runs first: stock walls take longest
+    dem::DemCase c = which == 0 ? a : b;
+    c.seed += 7919 * static_cast<long>(k);  // no run shares its fill with another
+    GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("{}-{}", c.name, k)));
+    windows[which][k % n] = std::move(burst.windows);
     return {};
   };
-  GRANARY_CHECK(at_once(2 * static_cast<std::size_t>(seeds), measure));
+  GRANARY_CHECK(at_once(2 * n, measure));
   Comparison comparison{differences(quantities(windows[0], 1), quantities(windows[1], 1))};
   if (!only.empty())
     std::erase_if(comparison.all,
                   [&](const Difference& d) { return std::find(only.begin(), only.end(), d.name) == only.end(); });
   return comparison;
+}
+
+Result<Comparison> compare_walls(const dem::DemCase& dem_case, int seeds, const fs::path& scratch,
+                                 const std::vector<std::string>& only) {
+  dem::DemCase stock = dem_case, ours = dem_case;
+  stock.walls = dem::Walls::stock;
+  ours.walls = dem::Walls::granary;
+  return compare(stock, ours, seeds, scratch, only);
 }
 
 Result<Value> comparison_rows(Effort effort, const fs::path& scratch, const Say& say) {

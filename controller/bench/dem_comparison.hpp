@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "common/json/value.hpp"
@@ -12,9 +13,9 @@
 
 namespace granary::bench {
 
-/// One case run with both kinds of walls, each with the same seeds; a window of the tally is a batch.
+/// What two cases measure; a window of the tally is a batch.
 struct Comparison {
-  std::vector<Difference> all;  ///< a: stock, b: granary
+  std::vector<Difference> all;
   /// Degrees of freedom of the errors: batches less those whose means they are taken from, of both.
   std::size_t freedom() const;
   /// What |z| chance alone exceeds in one comparison out of 1/p, over all its quantities.
@@ -22,8 +23,12 @@ struct Comparison {
   const Difference& worst() const;
 };
 
+/// Two cases, so many seeds each, as many at once as there are cores.
 /// @param only  names of the quantities to keep; empty: all
 /// Errors: granary-dem fails.
+Result<Comparison> compare(const dem::DemCase& a, const dem::DemCase& b, int seeds,
+                           const std::filesystem::path& scratch, const std::vector<std::string>& only = {});
+/// The same case with stock walls (a) and with ours (b).
 Result<Comparison> compare_walls(const dem::DemCase& dem_case, int seeds, const std::filesystem::path& scratch,
                                  const std::vector<std::string>& only = {});
 

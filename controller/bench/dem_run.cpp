@@ -83,7 +83,11 @@ double load_of_machine() {
   return getloadavg(&one, 1) == 1 ? one : -1.0;
 }
 
-std::string granary_dem() { return (program_folder() / "granary-dem").string(); }
+std::string granary_dem() {
+  const fs::path beside = program_folder() / "granary-dem";
+  // Tests lie in a folder beside that of the programs.
+  return (fs::exists(beside) ? beside : program_folder().parent_path() / "bin" / "granary-dem").string();
+}
 
 Result<DemRun> run_dem(const std::string& program, const fs::path& folder, const std::string& input, int ranks) {
   std::vector<std::string> argv{program, "-in", input, "-log", "none"};
@@ -96,11 +100,12 @@ Result<DemRun> run_dem(const std::string& program, const fs::path& folder, const
   DemRun run;
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (ended.exit_code != 0) {
-    const std::string& said = ended.err.empty() ? ended.out : ended.err;
-    return Error{
-        fmt::format("{} in {} ended with exit code {} (signal {}): {}", program, folder.string(), ended.exit_code,
-                    ended.signal, said.substr(said.size() - std::min<std::size_t>(said.size(), 1500))),
-        Exit::task_failed};
+    // LIGGGHTS says what is wrong on stdout, MPI that something is on stderr.
+    const std::string said =
+        ended.out.substr(ended.out.size() - std::min<std::size_t>(ended.out.size(), 600)) + ended.err.substr(0, 600);
+    return Error{fmt::format("{} in {} ended with exit code {} (signal {}): {}", program, folder.string(),
+                             ended.exit_code, ended.signal, said),
+                 Exit::task_failed};
   }
   run.loops = read_loops(ended.out);
   run.printed = std::move(ended.out);

@@ -31,7 +31,7 @@ std::string speed_table(const Value& rows) {
     text +=
         fmt::format("{:<30} {:>9} {:>9} {:>5} {:>6} {:>9} {:>10} {:>7}  {:>17} {:>17} {:>17}{}\n",
                     row.text_or("case", ""), row.integer_or("particles", 0), row.integer_or("impeller_triangles", 0),
-                    row.integer_or("ranks", 0), fmt::format("{:.3g}", 1e3 * row.number_or("stock_skin_m", 0.0)),
+                    row.integer_or("ranks", 0), number(row["stock_skin_m"], "{:.4f}"),
                     number(row["stock_ms_per_step"], "{:.3f} ms"), number(row["granary_ms_per_step"], "{:.4f} ms"),
                     number(row["ratio"], "{:.1f}x"), with_error(row, "collision_rate_difference", "statistical_error"),
                     with_error(row, "impact_rate_difference", "impact_rate_statistical_error"),
