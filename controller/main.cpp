@@ -128,6 +128,7 @@ int main(int argc, char** argv) {
   bench_pilot->add_flag("--json", pilot_options.json, "Print one JSON document on stdout and nothing else");
   bench_pilot->add_option("--cores", pilot_options.cores, "Cores to use (default: all)")->check(CLI::PositiveNumber);
   bench_pilot->add_option("--simulate", pilot_options.simulate, "Only simulate: nodes=N,cores=C,tasks=T");
+  bench_pilot->add_flag("--slurm", pilot_options.slurm, "Only tasks through agents beside srun, inside of a job of Slurm");
   bench_pilot->add_option("--dir", pilot_options.dir, "Folder to work in (default: that for temporary files)");
   bench_pilot->callback([&] { chosen = [&] { return commands::bench_pilot(pilot_options); }; });
 

@@ -33,6 +33,7 @@ struct PilotBenchOptions {
   bool json = false;
   int cores = 0;              ///< 0: all
   std::string simulate;       ///< only this simulation: "nodes=10000,cores=64,tasks=1000000"
+  bool slurm = false;         ///< only agents beside srun, inside of a job
   std::filesystem::path dir;  ///< where to work; empty: the system's folder for temporary files
 };
 
