@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <ctime>
 
 namespace granary::pilot {
@@ -120,6 +121,8 @@ Result<Spawned> spawn(const SpawnRequest& request) {
               or_null(request.stdin_fd),
               or_null(request.stdout_fd),
               or_null(request.stderr_fd)};
+  static std::mutex one_at_a_time;  // threads share the stack of the child
+  const std::scoped_lock lock(one_at_a_time);
   void* stack = child_stack_top();
   if (stack == nullptr) return spawn_error(request, Stage::none, ENOMEM);
 
