@@ -14,8 +14,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
 #include <ctime>
+#include <mutex>
 
 namespace granary::pilot {
 namespace {
