@@ -20,7 +20,7 @@
 namespace granary::pilot {
 namespace {
 
-enum class Stage { none, session, affinity, folder, files, execute };
+enum class Stage { none, group, affinity, folder, files, execute };
 
 /// What the child reads, and where it says what went wrong: it shares our memory until it executes the program.
 struct Child {
@@ -46,7 +46,9 @@ int run_child(void* argument) {
   struct sigaction standard = {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < 32; ++signal) (void)sigaction(signal, &standard, nullptr);
-  if (setsid() < 0) return fail(child, Stage::session);
+  // No session of its own: with automatic task groups each would be scheduled as a user by itself, made and unmade with
+  // it.
+  if (setpgid(0, 0) < 0) return fail(child, Stage::group);
   if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0)
     return fail(child, Stage::affinity);
   if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);

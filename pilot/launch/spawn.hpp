@@ -1,4 +1,4 @@
-// One process from one argv: the system calls, nothing else. Everything a task needs (pinning, session, folder, files)
+// One process from one argv: the system calls, nothing else. Everything a task needs (pinning, group, folder, files)
 // is set in the child before it executes the program.
 #pragma once
 
@@ -34,7 +34,7 @@ struct ProcessEnd {
   double cpu_s = 0.0;  ///< of it and the children it waited for [s]
 };
 
-/// Starts a process that leads a session and process group of its own. The cost does not grow with our own memory
+/// Starts a process that leads a process group of its own. The cost does not grow with our own memory
 /// (vfork semantics), and a failure of execve comes back here, not as an exit code.
 Result<Spawned> spawn(const SpawnRequest& request);
 
