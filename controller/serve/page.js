@@ -34,6 +34,13 @@ function duration(s) {
   return `${Math.floor(whole / 86400)} d ${two(Math.floor(whole / 3600) % 24)} h`;
 }
 
+// "1:02.3": for a column of times.
+function clock(s) {
+  const tenths = Math.round(10 * s), whole = Math.floor(tenths / 10), two = (n) => String(n).padStart(2, "0");
+  if (whole < 3600) return `${Math.floor(whole / 60)}:${two(whole % 60)}.${tenths % 10}`;
+  return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`;
+}
+
 function coresOf(list) {
   const parts = [];
   for (let k = 0; k < list.length; ) {
@@ -64,7 +71,7 @@ function ticks(low, high, n) {
 // A frame with axes; x() and y() bring numbers into it.
 class Chart {
   constructor(width, height, xs, ys, xLabel, yLabel) {
-    Object.assign(this, {width, height, xs, ys, left: 56, right: width - 14, top: 16, bottom: height - 40});
+    Object.assign(this, {width, height, xs, ys, left: 56, right: width - 14, top: 16, bottom: height - 48});
     this.root = svg("svg", {viewBox: `0 0 ${width} ${height}`, role: "img"});
     for (const t of ticks(ys[0], ys[1], 4)) {
       this.add("line", {class: "grid", x1: this.left, x2: this.right, y1: this.y(t), y2: this.y(t)});
@@ -145,7 +152,7 @@ function drawCores(view) {
   const slices = Math.max(0, ...kinds.map((kind) => busy[kind].length));
   if (!slices || !view.cores) return put($("cores"), null);
   const end = Math.max(view.time_s, slice);
-  const chart = new Chart(1260, 210, [0, end], [0, view.cores], "wall time [s]", "cores");
+  const chart = new Chart(1260, 214, [0, end], [0, view.cores], "wall time [s]", "cores");
   const below = new Array(slices).fill(0);
   let key = chart.left + 6;
   for (const kind of kinds) {
@@ -179,8 +186,9 @@ function card(value, what, more = {}) {
 function timeLeft(view) {
   const left = view.time_left;
   if (!left) return null;
-  const one = left.most_s - left.least_s < 0.5;
-  return card(one ? "about " + duration(left.most_s) : `${duration(left.least_s)} to ${duration(left.most_s)}`, "left: " + left.how);
+  const one = left.most_s - left.least_s < 0.5, none = left.least_s < 0.5;
+  const words = one ? "about " + duration(left.most_s) : none ? "at most " + duration(left.most_s) : `${duration(left.least_s)} to ${duration(left.most_s)}`;
+  return card(words, "left: " + left.how);
 }
 
 function steadyCard(view) {
@@ -223,7 +231,7 @@ function tables(view) {
     return el("tr", {}, cell(b.name, "name " + b.kind), cell(b.reason), cell(b.message), cell(`${short(b.start_s, 4)} to ${short(b.end_s, 4)} s`, "n"), cell(duration(b.pilot_end_s - b.pilot_start_s), "n"), cell(result, "n"));
   }));
   const list = $("happenings"), low = list.scrollHeight - list.scrollTop - list.clientHeight < 40;
-  list.replaceChildren(...view.happenings.map((h) => el("li", {class: h.level}, el("span", {class: "at"}, duration(h.time_s)), el("span", {}, h.words))));
+  list.replaceChildren(...view.happenings.map((h) => el("li", {class: h.level}, el("span", {class: "at"}, clock(h.time_s)), el("span", {}, h.words))));
   if (low) list.scrollTop = list.scrollHeight;
 }
 

@@ -17,13 +17,6 @@ constexpr std::size_t kMinor = 5;     ///< ends of tasks told one by one in one 
 
 std::string at(double time, const std::string& words) { return fmt::format("{:>8.1f} s  {}", time, words); }
 
-std::string left_words(const View& view) {
-  if (!view.time_left) return "";
-  const TimeLeft& left = *view.time_left;
-  if (left.most - left.least < 0.5) return fmt::format("; about {} left", duration(left.most));
-  return fmt::format("; {} to {} left", duration(left.least), duration(left.most));
-}
-
 }  // namespace
 
 std::string standing(const View& view) {
@@ -39,7 +32,8 @@ std::string standing(const View& view) {
   if (view.phase != Phase::waiting)
     text += fmt::format("; {} of {} cores busy{}", view.busy_cores, view.cores,
                         std::isfinite(view.core_use) ? ", use " + percent(view.core_use) : "");
-  return text + left_words(view);
+  if (view.time_left) text += "; " + left_words(view.time_left->least, view.time_left->most);
+  return text;
 }
 
 std::vector<std::string> PlainLines::lines(const View& view, double now) {

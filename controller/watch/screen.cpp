@@ -67,13 +67,7 @@ class Screen {
     Row left = {{view_.campaign, Ink::bold}, {"  "}, {std::string(name(view_.phase)), ink_of(view_.phase, view_.exit)}};
     if (view_.exit) left.push_back({fmt::format(" (exit code {})", static_cast<int>(*view_.exit)), Ink::soft});
     Row right = {{duration(view_.time)}};
-    if (view_.time_left) {
-      const TimeLeft& time = *view_.time_left;
-      const bool one = time.most - time.least < 0.5;
-      right.push_back({one ? fmt::format(", about {} left", duration(time.most))
-                           : fmt::format(", {} to {} left", duration(time.least), duration(time.most)),
-                       Ink::bold});
-    }
+    if (view_.time_left) right.push_back({", " + left_words(view_.time_left->least, view_.time_left->most), Ink::bold});
     add(spread(std::move(left), right, size_.columns));
     add({{view_.headline}});
     if (view_.time_left) add({{"left: " + view_.time_left->how, Ink::soft}});

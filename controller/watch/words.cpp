@@ -24,6 +24,12 @@ std::string clock_of(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
+std::string left_words(double least, double most) {
+  if (most - least < 0.5) return fmt::format("about {} left", duration(most));
+  if (least < 0.5) return fmt::format("at most {} left", duration(most));
+  return fmt::format("{} to {} left", duration(least), duration(most));
+}
+
 std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
 
 std::string micrometres(double metres) { return fmt::format("{:.3g} um", 1e6 * metres); }

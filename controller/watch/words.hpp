@@ -10,6 +10,8 @@ namespace granary::watch {
 std::string duration(double seconds);
 /// "0:12.4", "1:02:03": for a column of times since the start.
 std::string clock_of(double seconds);
+/// "about 20.0 s left", "7.0 s to 4 min 37 s left", "at most 4 min 37 s left".
+std::string left_words(double least, double most);
 std::string percent(double share);       ///< "98.7 %", "100 %"
 std::string micrometres(double metres);  ///< "106 um", "7.32 um"
 /// "DEM burst 3" for "0003-dem", "PBM burst 3" for "0003-pbm"; else the name as it is.

@@ -427,6 +427,9 @@ TEST(Words, AreThoseAPersonUses) {
   EXPECT_EQ("1 min 12 s", duration(72.0));
   EXPECT_EQ("2 h 05 min", duration(7500.0));
   EXPECT_EQ("3 d 04 h", duration(76.0 * 3600));
+  EXPECT_EQ("about 20.0 s left", left_words(20.0, 20.0));
+  EXPECT_EQ("at most 4 min 37 s left", left_words(0.0, 277.0));
+  EXPECT_EQ("7.0 s to 4 min 37 s left", left_words(7.0, 277.0));
   EXPECT_EQ("DEM burst 3", burst_words("0003-dem"));
   EXPECT_EQ("PBM burst 120", burst_words("0120-pbm"));
   EXPECT_EQ("own-name", burst_words("own-name"));
