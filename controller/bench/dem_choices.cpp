@@ -27,7 +27,7 @@ struct Choice {
   std::string choice, value;
   dem::DemCase dem;
   bool is_reference = false;
-  std::vector<std::vector<Value>> windows;  ///< by seed
+  std::vector<std::vector<Value>> tallies;  ///< by seed
   std::vector<double> ms_per_step;          ///< by seed
 };
 
@@ -86,7 +86,7 @@ Value row_of(const Choice& one, const Choice& reference) {
                              {"time_step_s", one.dem.time_step},
                              {"ms_per_step", ms},
                              {"core_s_per_process_s", cost}});
-  const auto measured = quantities(one.windows, 1), by_reference = quantities(reference.windows, 1);
+  const auto measured = quantities(one.tallies, 1), by_reference = quantities(reference.tallies, 1);
   for (const Judged& judged : kJudged) {
     const Difference d{"", "", estimate(quantity(by_reference, judged.quantity)),
                        estimate(quantity(measured, judged.quantity))};
@@ -101,22 +101,22 @@ Value row_of(const Choice& one, const Choice& reference) {
 /// How far one burst of so many turns is from the mean of all, as a standard deviation: the runs whose skins differ
 /// have one physics, so that each is a sample.
 void add_burst_lengths(Value& rows, const std::vector<Choice>& all) {
-  std::vector<std::vector<Value>> windows;
+  std::vector<std::vector<Value>> tallies;
   double turn = 0.0, cost = 0.0;
   for (const Choice& one : all) {
     if (one.choice != "skin") continue;
-    windows.insert(windows.end(), one.windows.begin(), one.windows.end());
+    tallies.insert(tallies.end(), one.tallies.begin(), one.tallies.end());
     turn = turn_of(one.dem);
     if (one.is_reference) cost = 1e-3 * median(one.ms_per_step) / one.dem.time_step;
   }
-  if (windows.empty()) return;
+  if (tallies.empty()) return;
   for (const std::size_t turns : {1U, 2U, 3U, 6U}) {
-    if (turns > windows.front().size()) break;
+    if (turns >= tallies.front().size()) break;
     Value row = Value::object({{"choice", "burst length"},
                                {"value", fmt::format("{:g} ms", 1e3 * turn * static_cast<double>(turns))},
                                {"is_reference", false},
                                {"core_s_per_burst", cost * turn * static_cast<double>(turns)}});
-    const auto measured = quantities(windows, turns);
+    const auto measured = quantities(tallies, turns);
     for (const Judged& judged : kJudged) {
       std::vector<double> bursts;
       for (const auto& run : quantity(measured, judged.quantity).run)
@@ -143,7 +143,7 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
   std::vector<Choice> all = all_choices();
   for (Choice& one : all) {
     one.dem.duration = turns * turn_of(one.dem);
-    one.windows.resize(seeds);
+    one.tallies.resize(seeds);
     one.ms_per_step.resize(seeds);
   }
   say(fmt::format("speed against error: {} settings, {} seeds each", all.size(), seeds));
@@ -154,7 +154,7 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
     c.seed += 7919 * static_cast<long>(k);
     if (seed == 0) say(fmt::format("{}: {}", one.choice, one.value));
     GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("choice-{}", k)));
-    one.windows[seed] = std::move(burst.windows);
+    one.tallies[seed] = std::move(burst.tallies);
     one.ms_per_step[seed] = burst.run.loops.back().ms_per_step();
     return {};
   };

@@ -55,18 +55,18 @@ const Difference& Comparison::worst() const {
 Result<Comparison> compare(const dem::DemCase& a, const dem::DemCase& b, int seeds, const fs::path& scratch,
                            const std::vector<std::string>& only) {
   const auto n = static_cast<std::size_t>(seeds);
-  std::array<std::vector<std::vector<Value>>, 2> windows{std::vector<std::vector<Value>>(n),
+  std::array<std::vector<std::vector<Value>>, 2> tallies{std::vector<std::vector<Value>>(n),
                                                          std::vector<std::vector<Value>>(n)};
   const auto measure = [&](std::size_t k) -> Status {
     const std::size_t which = k / n;  // a's runs first: stock walls take longest
     dem::DemCase c = which == 0 ? a : b;
     c.seed += 7919 * static_cast<long>(k);  // no run shares its fill with another
     GRANARY_TRY(Burst burst, run_burst(c, scratch / fmt::format("{}-{}", c.name, k)));
-    windows[which][k % n] = std::move(burst.windows);
+    tallies[which][k % n] = std::move(burst.tallies);
     return {};
   };
   GRANARY_CHECK(at_once(2 * n, measure));
-  Comparison comparison{differences(quantities(windows[0], 1), quantities(windows[1], 1))};
+  Comparison comparison{differences(quantities(tallies[0], 1), quantities(tallies[1], 1))};
   if (!only.empty())
     std::erase_if(comparison.all,
                   [&](const Difference& d) { return std::find(only.begin(), only.end(), d.name) == only.end(); });

@@ -117,10 +117,9 @@ Result<Burst> run_burst(const dem::DemCase& c, const fs::path& folder, const std
   if (!more.empty()) std::ofstream(folder / "in.liggghts", std::ios::app) << more;
   Burst burst;
   GRANARY_TRY(burst.run, run_dem(granary_dem(), folder, "in.liggghts", c.ranks));
-  GRANARY_TRY(burst.windows, json::read_lines(folder / "tallies.jsonl"));
-  if (burst.windows.size() < 2)
+  GRANARY_TRY(burst.tallies, json::read_lines(folder / "tallies.jsonl"));
+  if (burst.tallies.size() < 2)
     return Error{fmt::format("{}: no window was measured.", (folder / "tallies.jsonl").string()), Exit::task_failed};
-  burst.windows.erase(burst.windows.begin());
   return burst;
 }
 

@@ -57,7 +57,7 @@ std::string granary_dem();
 /// A whole burst as a campaign runs it; `more` is added to the end of its input script.
 struct Burst {
   DemRun run;
-  std::vector<json::Value> windows;  ///< lines of tallies.jsonl behind the header
+  std::vector<json::Value> tallies;  ///< lines of tallies.jsonl, the header first
 };
 Result<Burst> run_burst(const dem::DemCase& dem_case, const std::filesystem::path& folder,
                         const std::string& more = "");

@@ -98,8 +98,7 @@ Status add_differences(const Runner& runner, double stock_skin, Value& row) {
     GRANARY_TRY(const std::string text, timing_deck(runner.one.dem, deck));
     GRANARY_CHECK(write_text_atomically(folder / "in.tallied", text));
     GRANARY_TRY(const DemRun run, run_dem(granary_dem(), folder, "in.tallied"));
-    GRANARY_TRY(auto lines, json::read_lines(folder / "tallies.jsonl"));
-    lines.erase(lines.begin());
+    GRANARY_TRY(const auto lines, json::read_lines(folder / "tallies.jsonl"));
     measured[k] = quantities({lines}, 1);
     return {};
   };

@@ -15,7 +15,7 @@ struct Batch {
   double seconds = 0.0, windows = 0.0, particles = 0.0, left = 0.0;  ///< particles: sum of the windows' means
   std::vector<std::vector<double>> collisions;
   std::vector<double> impacts, speed, axial;
-  double collision_count = 0.0, collision_speed = 0.0, impact_count = 0.0, impact_speed = 0.0;
+  double hard_impacts = 0.0, collision_count = 0.0, collision_speed = 0.0, impact_count = 0.0, impact_speed = 0.0;
 };
 
 void add(std::vector<double>& sum, const std::vector<double>& more, double weight = 1.0) {
@@ -28,7 +28,7 @@ void add_speeds(const Value& speeds, double& count, double& sum) {
   sum += speeds.number_or("count", 0.0) * speeds.number_or("mean", 0.0);
 }
 
-void add_window(Batch& batch, const Value& line) {
+void add_window(Batch& batch, const Value& line, std::size_t first_hard) {
   batch.seconds += line.number_or("window_s", 0.0);
   batch.windows += 1.0;
   batch.left += line.number_or("left", 0.0);
@@ -40,6 +40,8 @@ void add_window(Batch& batch, const Value& line) {
   for (const auto& [body, counts] : line["impacts"].members_or_none()) add(batch.impacts, counts.numbers());
   add(batch.speed, line.numbers("speed_mean_m_s"));
   add(batch.axial, line.numbers("axial_velocity_m_s"));
+  const std::vector<double> histogram = line["impact_speed"].numbers("histogram");
+  for (std::size_t h = first_hard; h < histogram.size(); ++h) batch.hard_impacts += histogram[h];
   add_speeds(line["collision_speed"], batch.collision_count, batch.collision_speed);
   add_speeds(line["impact_speed"], batch.impact_count, batch.impact_speed);
 }
@@ -64,6 +66,7 @@ std::vector<std::tuple<std::string, std::string, double>> values_of(const Batch&
     impacts += b.impacts[p];
   }
   put("impacts", "1/s per particle", impacts / particle_seconds);
+  put("impacts above 1 m/s", "1/s per particle", b.hard_impacts / particle_seconds);
   put("impact speed", "m/s", b.impact_speed / std::max(1.0, b.impact_count));
   for (std::size_t p = 0; p < b.speed.size(); ++p) put(fmt::format("speed {}", p + 1), "m/s", b.speed[p] / b.windows);
   for (std::size_t x = 0; x < b.axial.size(); ++x)
@@ -74,19 +77,22 @@ std::vector<std::tuple<std::string, std::string, double>> values_of(const Batch&
 
 }  // namespace
 
-std::vector<Measured> quantities(const std::vector<std::vector<Value>>& windows, std::size_t per_batch) {
+std::vector<Measured> quantities(const std::vector<std::vector<Value>>& tallies, std::size_t per_batch) {
   std::vector<Measured> all;
-  for (std::size_t s = 0; s < windows.size(); ++s)
-    for (std::size_t first = 0; first + per_batch <= windows[s].size(); first += per_batch) {
+  for (std::size_t s = 0; s < tallies.size(); ++s) {
+    const std::vector<double> edges = tallies[s].front().numbers("speed_edges_m_s");
+    const auto first_hard = static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), 1.0) - edges.begin());
+    for (std::size_t first = 1; first + per_batch <= tallies[s].size(); first += per_batch) {
       Batch batch;
-      for (std::size_t w = first; w < first + per_batch; ++w) add_window(batch, windows[s][w]);
+      for (std::size_t w = first; w < first + per_batch; ++w) add_window(batch, tallies[s][w], first_hard);
       for (const auto& [name, unit, value] : values_of(batch)) {
         auto found = std::find_if(all.begin(), all.end(), [&name = name](const Measured& m) { return m.name == name; });
         if (found == all.end()) found = all.insert(all.end(), Measured{name, unit, {}});
-        found->run.resize(windows.size());
+        found->run.resize(tallies.size());
         found->run[s].push_back(value);
       }
     }
+  }
   std::erase_if(all, [](const Measured& m) {
     return std::all_of(m.run.begin(), m.run.end(), [](const auto& run) {
       return std::all_of(run.begin(), run.end(), [](double v) { return v == 0; });
