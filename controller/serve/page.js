@@ -228,7 +228,7 @@ function tables(view) {
   $("bursts-panel").hidden = view.bursts.length === 0;
   $("bursts").tBodies[0].replaceChildren(...view.bursts.slice().reverse().map((b) => {
     const result = b.kind === "dem" ? `${short(b.collision_rate_1_s)} collisions/s` : `d50 ${um(b.d50_smallest_m)} to ${um(b.d50_largest_m)} um`;
-    return el("tr", {}, cell(b.name, "name " + b.kind), cell(b.reason), cell(b.message), cell(`${short(b.start_s, 4)} to ${short(b.end_s, 4)} s`, "n"), cell(duration(b.pilot_end_s - b.pilot_start_s), "n"), cell(result, "n"));
+    return el("tr", {}, cell(b.name, "name " + b.kind), cell(b.reason, "word"), cell(b.message), cell(`${short(b.start_s, 4)} to ${short(b.end_s, 4)} s`, "n"), cell(duration(b.pilot_end_s - b.pilot_start_s), "n"), cell(result, "n"));
   }));
   const list = $("happenings"), low = list.scrollHeight - list.scrollTop - list.clientHeight < 40;
   list.replaceChildren(...view.happenings.map((h) => el("li", {class: h.level}, el("span", {class: "at"}, clock(h.time_s)), el("span", {}, h.words))));

@@ -109,8 +109,17 @@ void Watcher::fill_tasks(View& view) const {
   view.fillers = history_.fillers();
   view.fillers_done = history_.fillers_done();
   view.core_history = history_.core_history(view.time);
-  for (const auto& [state, count] : status_["counts"].members_or_none())
-    if (count.is_integer()) view.counts.emplace_back(state, count.as_integer());
+  // A monitor's exit code is its verdict and not a failure, so a coupled campaign's tasks have just ended.
+  std::int64_t ended = 0;
+  for (const auto& [state, count] : status_["counts"].members_or_none()) {
+    if (!count.is_integer()) continue;
+    const bool is_end = state == "finished" || state == "failed" || state == "stopped";
+    if (view.coupled && is_end)
+      ended += count.as_integer();
+    else
+      view.counts.emplace_back(state, count.as_integer());
+  }
+  if (ended > 0) view.counts.emplace_back("ended", ended);
   // Over all of the pilot's time, from the journal: the dead pilot's status assumes a machine.
   double busy = 0.0, fillers = 0.0;
   for (const auto& [kind, cores] : view.core_history.busy) {

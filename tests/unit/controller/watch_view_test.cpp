@@ -95,6 +95,8 @@ TEST_F(Watch, ShowsTheBurstThatRunsWithItsClockAndWhoIsOnWhichCore) {
   EXPECT_THAT(view.busy_by_kind, ElementsAre(std::pair<std::string, int>{"dem", 2})) << "a monitor occupies no core";
   ASSERT_EQ(2U, view.bursts.size());
   EXPECT_EQ("drifted", view.bursts.back().reason);
+  EXPECT_THAT(view.counts, ElementsAre(std::pair<std::string, std::int64_t>{"running", 2},
+                                       std::pair<std::string, std::int64_t>{"ended", 3}));
 }
 
 TEST_F(Watch, CountsContactsAsTheExchangeDoes) {
