@@ -98,8 +98,9 @@ struct Pilot::State {
     loop.after(options.sync_every, [this, watch = std::weak_ptr<bool>(alive)] {
       if (watch.expired()) return;
       (void)flush();
-      if (const Status synced = journal.sync(); !synced) fail(synced.error());
+      if (const Status synced = journal.sync_beside(); !synced) fail(synced.error());
       sync_set = false;
+      if (journal.dirty()) sync_soon();  // the disk is slower than we ask it
     });
   }
 

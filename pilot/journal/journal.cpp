@@ -39,6 +39,9 @@ double system_wall_clock() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+/// 0, or what went wrong.
+int sync_file(int fd) { return ::fdatasync(fd) != 0 && errno != EINVAL && errno != EROFS ? errno : 0; }
+
 /// The whole lines of a file, one after the other.
 class Lines {
  public:
@@ -204,13 +207,14 @@ Journal& Journal::operator=(Journal&& other) noexcept {
   reserved_ = other.reserved_;
   dirty_ = other.dirty_;
   health_ = std::move(other.health_);
+  std::swap(syncing_, other.syncing_);
   return *this;
 }
 
 Journal::~Journal() {
   if (fd_ < 0) return;
   (void)flush();
-  (void)sync();
+  (void)sync();  // also waits for the one beside us, whose file must stay open
   // Gives back what the file system has reserved behind the last record.
   if (reserved_ > size_ && ::ftruncate(fd_, static_cast<off_t>(size_)) != 0) { /* it stays reserved, no harm */
   }
@@ -300,9 +304,23 @@ Status Journal::write_out() {
 Status Journal::healthy() const { return health_; }
 
 Status Journal::sync() {
+  if (syncing_.valid()) {
+    if (const int code = syncing_.get(); code != 0) return health_ = write_error(file_, code);
+  }
   if (!dirty_ || fd_ < 0) return {};
   dirty_ = false;
-  if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) return health_ = write_error(file_, errno);
+  if (const int code = sync_file(fd_); code != 0) return health_ = write_error(file_, code);
+  return {};
+}
+
+Status Journal::sync_beside() {
+  if (syncing_.valid()) {
+    if (syncing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    if (const int code = syncing_.get(); code != 0) return health_ = write_error(file_, code);
+  }
+  if (!dirty_ || fd_ < 0) return {};
+  dirty_ = false;
+  syncing_ = std::async(std::launch::async, sync_file, fd_);
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -68,6 +69,8 @@ class Journal {
   Status healthy() const;
   /// Waits until the disk has what was flushed.
   Status sync();
+  /// Likewise, but beside us: a slow disk must hold up nobody. Error: that of an earlier call, or of a write since.
+  Status sync_beside();
   /// Whether there is anything to sync().
   bool dirty() const { return dirty_; }
 
@@ -94,6 +97,7 @@ class Journal {
   std::uint64_t reserved_ = 0;  ///< bytes the file system has promised us
   bool dirty_ = false;          ///< flushed to since the last sync()
   Status health_;
+  std::future<int> syncing_;  ///< 0, or what went wrong
 };
 
 }  // namespace granary::pilot

@@ -161,7 +161,9 @@ TEST_F(PilotRestart, KilledAroundAnyStartLosesNoTaskRunsNoneTwiceAndLeavesNoProc
   std::map<std::int64_t, int> finished;
   for (const Record& record : journal->records) {
     const std::int64_t id = record.payload.integer_or("id", -1);
-    if (record.kind == "task.place") EXPECT_EQ(finished[id], 0) << "task " << id << " ran again";
+    if (record.kind == "task.place") {
+      EXPECT_EQ(finished[id], 0) << "task " << id << " ran again";
+    }
     finished[id] += record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0;
   }
   for (int id = 0; id <= kTasks; ++id) EXPECT_EQ(finished[id], 1) << "task " << id;

@@ -217,7 +217,9 @@ TEST(Pilot, KilledBehindAnyRecordRunsEachTaskToItsEndOnceAndNoneThatFinishedAgai
     std::map<std::int64_t, int> finished;
     for (const Record& record : next.journal.records()) {
       const std::int64_t id = record.payload.integer_or("id", -1);
-      if (record.kind == "task.place") EXPECT_EQ(finished[id], 0) << "task " << id << ", killed behind record " << kept;
+      if (record.kind == "task.place") {
+        EXPECT_EQ(finished[id], 0) << "task " << id << ", killed behind record " << kept;
+      }
       finished[id] += record.kind == "task.exit" && record.payload.integer_or("exit_code", -1) == 0;
     }
     for (const TaskEnd& end : next.pilot.ends()) {
