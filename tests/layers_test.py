@@ -44,6 +44,7 @@ FENCES = {
     r"spdlog/": ["common"],
     r"spawn\.h|boost/process|sys/wait\.h|sys/ptrace\.h": ["pilot/launch"],
     r"hwloc": ["pilot/schedule", "pilot/launch"],
+    r"openssl/": ["pilot/protocol"],
     r"boost/asio|boost/beast": ["pilot", "controller/serve"],
     r"lammps\.h|atom\.h|fix\.h|modify\.h|pair_gran|neighbor\.h|neigh_list\.h": ["dem_templates/plugin"],
     r"omp\.h": ["pbm_solver"],

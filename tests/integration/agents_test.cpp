@@ -140,10 +140,10 @@ TEST_F(Agents, OfAKilledPilotDoNotMeddleWithTheNextOne) {
 
 TEST_F(Agents, RaiseNoFalseAlarmUnderLoad) {
   json::Value tasks = json::Value::array();
-  for (int k = 0; k < 3; ++k) tasks.push(honest_task("t" + std::to_string(k), 6.0));
+  for (int k = 0; k < 3; ++k) tasks.push(honest_task("t" + std::to_string(k), 5.0));
   write(tasks);
   std::vector<int> spinning;
-  for (int k = 0; k < 40; ++k) {
+  for (int k = 0; k < 24; ++k) {
     const int child = fork();
     if (child == 0)
       for (;;) continue;
