@@ -24,11 +24,17 @@ set grid xtics ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
 struct Look {
   const char *choice, *colour;
   int point;
+  int row;             ///< of the picture: what moves little above, what moves much below
+  const char* offset;  ///< of the values written beside the points
 };
-constexpr std::array<Look, 4> kLooks{{{"time step", "#1d4ed8", 7},
-                                      {"stiffness", "#ea580c", 5},
-                                      {"skin", "#16a34a", 9},
-                                      {"coarse graining", "#9333ea", 13}}};
+constexpr std::array<Look, 4> kLooks{{{"time step", "#1d4ed8", 7, 0, "0,-1.6"},
+                                      {"stiffness", "#ea580c", 5, 0, "0,1.6"},
+                                      {"skin", "#16a34a", 9, 0, ""},
+                                      {"coarse graining", "#9333ea", 13, 1, "0,1.3"}}};
+struct Panel {
+  const char *key, *title;
+};
+constexpr std::array<Panel, 2> kPanels{{{"collision_rate", "Collision rate"}, {"impact_speed", "Impact speed"}}};
 
 /// Cost, error and statistical error [%] of each setting of a choice.
 std::string data_of(const Value& rows, const std::string& choice, const std::string& key) {
@@ -42,27 +48,35 @@ std::string data_of(const Value& rows, const std::string& choice, const std::str
   return data;
 }
 
+/// One panel: every choice of that row of the picture, as points with their statistical errors.
+std::string panel_script(const Value& rows, const Panel& panel, int row) {
+  std::string blocks, plots;
+  for (const Look& look : kLooks) {
+    const std::string data = data_of(rows, look.choice, panel.key);
+    if (look.row != row || data.empty()) continue;
+    const std::string block = fmt::format("${}_{}", panel.key, look.point);
+    blocks += fmt::format("{} << EOD\n{}EOD\n", block, data);
+    plots += fmt::format("{}{} using 1:2:3 with yerrorbars lw 1.4 pt {} ps 0.7 lc rgb '{}' title '{}'",
+                         plots.empty() ? "plot " : ", \\\n     ", block, look.point, look.colour, look.choice);
+    // Skins have one physics, and need no names.
+    if (*look.offset != '\0')
+      plots += fmt::format(
+          ", \\\n     {} using 1:2:4 with labels font ',10' rotate by 35 offset {} textcolor rgb '{}' notitle", block,
+          look.offset, look.colour);
+  }
+  return blocks + fmt::format("set title '{}'\n{}\n", panel.title, plots);
+}
+
 std::string choices_script(const Value& rows) {
-  std::string script = fmt::format(kStyle, 480), plots[2];
+  std::string script = fmt::format(kStyle, 860);
   script +=
-      "set multiplot layout 1,2\nset logscale x\nset xlabel 'core seconds for a second of process'\n"
-      "set xzeroaxis lc rgb '#64748b' lw 1.2\nset key outside bottom center horizontal\n";
-  const char *keys[2] = {"collision_rate", "impact_speed"}, *titles[2] = {"Collision rate", "Impact speed"};
-  for (int k = 0; k < 2; ++k) {
-    for (const Look& look : kLooks) {
-      const std::string data = data_of(rows, look.choice, keys[k]);
-      if (data.empty()) continue;
-      const std::string block = fmt::format("${}_{}", keys[k], look.point);
-      script += fmt::format("{} << EOD\n{}EOD\n", block, data);
-      plots[k] += fmt::format("{}{} using 1:2:3 with yerrorlines lw 1.6 pt {} ps 0.7 lc rgb '{}' title '{}'",
-                              plots[k].empty() ? "plot " : ", \\\n     ", block, look.point, look.colour, look.choice);
-      // Only what stands apart is named: skins all lie on one point's error.
-      if (look.choice != std::string_view("skin"))
-        plots[k] +=
-            fmt::format(", \\\n     {} using 1:2:4 with labels font ',11' offset 0,0.9 textcolor rgb '{}' notitle",
-                        block, look.colour);
-    }
-    script += fmt::format("set ylabel 'difference from the reference [%]'\nset title '{}'\n{}\n", titles[k], plots[k]);
+      "set multiplot layout 2,2\nset logscale x\nset xrange [5:300]\nset xlabel 'core seconds for a second of "
+      "process'\n"
+      "set xzeroaxis lc rgb '#64748b' lw 1.2\nset key outside bottom center horizontal\n"
+      "set ylabel 'difference from the reference [%]'\n";
+  for (const int row : {0, 1}) {
+    script += row == 0 ? "set yrange [-40:40]\n" : "set yrange [-90:30]\n";
+    for (const Panel& panel : kPanels) script += panel_script(rows, panel, row);
   }
   return script + "unset multiplot\nunset output\n";
 }

@@ -48,7 +48,7 @@ std::string overheads_text(const Value& document) {
   if (!tally.is_object()) return "";
   return fmt::format(
       "\nTally: {} of the pair forces' time, {} of a step\nRestart: {} from the end of a burst to the first step of "
-      "the next\n{:g} s of the mixer at work, {} particles, steps of {:g} us: {} of one core ({})\n",
+      "the next\n{:g} s of the mixer with its hold-up, {} particles, steps of {:g} us: {} of one core ({})\n",
       percent(tally["share_of_pair_time"]), percent(tally["share_of_step"]), number(restart["seconds"], "{:.2f} s"),
       process.number_or("process_s", 0.0), process.integer_or("particles_at_start", 0),
       1e6 * process.number_or("time_step_s", 0.0), number(process["wall_s"], "{:.0f} s"),
