@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Draws the machine of a DEM burst at its last state: particles coloured by speed, casing translucent.
 
-    granary run workflows/cm5.json --dir runs/picture --set /machine/refinement=4 --set '/dem/longest_burst="50 ms"'
-    docs/images/render_machine.py runs/picture/bursts/0001-dem docs/images/dem_cm5.png
+    granary run workflows/cm5.json --dir runs/picture --set /machine/refinement=4
+    granary stop runs/picture                            # when the first burst is done
+    docs/images/render_machine.py runs/picture/bursts/0001-dem docs/images/dem_cm5.png --dem build/bin/granary-dem
 
-(`granary stop runs/picture` when the first burst is done.) Needs POV-Ray (Debian: apt-get install povray) and
-granary-dem in the PATH or named by --dem. The state is what granary-dem reads back from restart.liggghts; blades are
-turned by what the time since their start makes of their speed.
+Needs POV-Ray (Debian: apt-get install povray) and granary-dem in the PATH or named by --dem. Only for the docs:
+nothing of Granary needs either at run time. The state is what granary-dem reads back from restart.liggghts; blades are
+turned by what their time makes of their speed: so it must be the first burst.
 """
 import argparse
 import json
@@ -44,7 +45,8 @@ def particles(burst, dem):
 
 
 def triangles(stl):
-    corner = [tuple(map(float, line.split()[1:])) for line in stl.read_text().splitlines() if line.split()[:1] == ["vertex"]]
+    words = [line.split() for line in stl.read_text().splitlines()]
+    corner = [tuple(map(float, w[1:])) for w in words if w[:1] == ["vertex"]]
     return [corner[k:k + 3] for k in range(0, len(corner), 3)]
 
 
@@ -63,7 +65,7 @@ def turned(mesh, origin, axis, angle):
 
 def rotation(burst, name):
     """(origin, axis, rad/s) of a body from the script's `rotate NAME o a rad/s W`; None if it stands."""
-    found = re.search(rf"rotate {name} (\S+) (\S+) (\S+) (\S+) (\S+) (\S+) rad/s (\S+)", (burst / "in.liggghts").read_text())
+    found = re.search(rf"rotate {name} " + r"(\S+) " * 6 + r"rad/s (\S+)", (burst / "in.liggghts").read_text())
     if not found:
         return None
     value = [float(x) for x in found.groups()]
@@ -83,8 +85,10 @@ SCENE = """#version 3.7;
 global_settings { assumed_gamma 1.0 max_trace_level 12 }
 background { rgb 1 }
 #declare Casing = texture { pigment { rgbt <0.40,0.56,0.80,0.90> } finish { ambient 0.2 diffuse 0.35 } }
-#declare Steel = texture { pigment { rgb <0.62,0.64,0.67> } finish { ambient 0.10 diffuse 0.62 specular 0.2 roughness 0.08 } }
-#declare Chopper = texture { pigment { rgb <0.80,0.58,0.30> } finish { ambient 0.10 diffuse 0.65 specular 0.2 roughness 0.08 } }
+#declare Metal = finish { ambient 0.10 diffuse 0.62 specular 0.2 roughness 0.08 }
+#declare Steel = texture { pigment { rgb <0.62,0.64,0.67> } finish { Metal } }
+#declare Chopper = texture { pigment { rgb <0.80,0.58,0.30> } finish { Metal } }
+#declare Dull = finish { ambient 0.16 diffuse 0.72 }
 """
 
 VIEWS = {
@@ -122,19 +126,22 @@ def main():
         scene.append(pov_mesh(mesh, look))
     for row in rows:
         share = math.dist((0, 0, 0), row[5:8]) / fastest
-        scene.append(f"sphere {{ <{SCALE * row[2]:.5f},{SCALE * row[3]:.5f},{SCALE * row[4]:.5f}>,{SCALE * row[1]:.5f} pigment {{ rgb <{colour(share)}> }}"
-                     " finish { ambient 0.16 diffuse 0.72 } }")
+        place = ",".join(f"{SCALE * x:.5f}" for x in row[2:5])
+        scene.append(f"sphere {{ <{place}>,{SCALE * row[1]:.5f} "
+                     f"pigment {{ rgb <{colour(share)}> }} finish {{ Dull }} }}")
     wide, high = view["size"]
     # POV-Ray is left-handed: the mirrored `right` makes its pictures ours.
-    scene.append(f"camera {{ location {SCALE}*{view['eye']} sky {view['up']} right -x*{wide}/{high} angle {view['angle']} look_at {SCALE}*{view['at']} }}")
+    scene.append(f"camera {{ location {SCALE}*{view['eye']} sky {view['up']} right -x*{wide}/{high} "
+                 f"angle {view['angle']} look_at {SCALE}*{view['at']} }}")
     for light, strength, shadow in zip(view["lights"], (0.95, 0.5), ("", "shadowless")):
         scene.append(f"light_source {{ {SCALE}*{light} rgb {strength} {shadow} }}")
     (burst / "picture.pov").write_text("\n".join(scene))
-    done = subprocess.run(["povray", "picture.pov", f"+O{given.picture.resolve()}", f"+W{wide}", f"+H{high}", "+A0.2", "-D", "+FN8"],
-                          cwd=burst, capture_output=True, text=True)
+    options = [f"+O{given.picture.resolve()}", f"+W{wide}", f"+H{high}", "+A0.2", "-D", "+FN8"]
+    done = subprocess.run(["povray", "picture.pov", *options], cwd=burst, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"povray failed: {done.stderr[-2000:]}")
-    print(f"{given.picture}: {len(rows)} particles, red from {fastest:.3g} m/s on, {last['time_s']:.3g} s after the start")
+    print(f"{given.picture}: {len(rows)} particles, red from {fastest:.3g} m/s on, "
+          f"{last['time_s']:.3g} s from the start")
 
 
 if __name__ == "__main__":
