@@ -35,8 +35,13 @@ struct NodeBlock::State {
   std::unique_ptr<AgentLauncher> launcher;
   std::optional<SlurmJob> job;
   std::map<int, int> starters;     ///< pid by pidfd of each srun or agent that lives
+  bool awaiting = false;           ///< the first agents
   std::map<int, TimerId> retries;  ///< by node that is lost
 
+  Status check_program() const {
+    GRANARY_TRY(const std::string found, find_executable(agent_program(), "", ""));
+    return {};
+  }
   std::string agent_program() const { return (program_folder() / "granary-agent").string(); }
 
   /// srun, or an agent itself. Their words go where ours go.
@@ -60,6 +65,7 @@ struct NodeBlock::State {
     (void)reap(fd);
     close(fd);
     starters.erase(fd);
+    if (awaiting && starters.empty()) loop.stop();  // nobody comes any more
   }
 
   std::vector<std::string> srun(int count, const std::string& where) const {
@@ -95,10 +101,11 @@ struct NodeBlock::State {
   }
 
   Status await_agents() {
+    awaiting = true;
     const std::vector<int> absent = launcher->await_agents(kArrival);
+    awaiting = false;
     if (absent.size() == launcher->machine().nodes.size())
-      return Error{fmt::format("not one agent came from the {} node(s) within {:g} s; see what srun wrote above",
-                               absent.size(), kArrival),
+      return Error{fmt::format("not one agent came from the {} node(s); see what was written above", absent.size()),
                    Exit::internal};
     return {};
   }
@@ -112,6 +119,7 @@ Result<std::unique_ptr<NodeBlock>> NodeBlock::of_slurm_job(RealLoop& loop, const
     if (cores > 0 && node.cpus.size() > static_cast<std::size_t>(cores))
       node.cpus.resize(static_cast<std::size_t>(cores));
   auto state = std::make_unique<State>(loop, dir);
+  GRANARY_CHECK(state->check_program());
   GRANARY_TRY(state->launcher, AgentLauncher::listen(loop, dir, job.machine, job.address));
   const int count = static_cast<int>(job.machine.nodes.size());
   state->job = std::move(job);
@@ -124,6 +132,7 @@ Result<std::unique_ptr<NodeBlock>> NodeBlock::of_slurm_job(RealLoop& loop, const
 Result<std::unique_ptr<NodeBlock>> NodeBlock::of_virtual_nodes(RealLoop& loop, const fs::path& dir, int nodes,
                                                                int cores) {
   auto state = std::make_unique<State>(loop, dir);
+  GRANARY_CHECK(state->check_program());
   const Machine machine = stated_machine(nodes, cores);
   GRANARY_TRY(state->launcher, AgentLauncher::listen(loop, dir, machine, "127.0.0.1"));
   std::unique_ptr<NodeBlock> block(new NodeBlock(std::move(state)));

@@ -210,7 +210,6 @@ void Channel::close() {
 }
 
 bool Channel::send(const json::Value& message) { return state_->send(message); }
-bool Channel::is_open() const { return state_->writer.has_value() && state_->fd >= 0; }
 Role Channel::role() const { return state_->handshake.role(); }
 const std::string& Channel::name() const { return state_->handshake.name(); }
 

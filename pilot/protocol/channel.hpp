@@ -32,7 +32,6 @@ class Channel {
   bool send(const json::Value& message);
   /// Ends the connection; `closed` is not called.
   void close();
-  bool is_open() const;
   Role role() const;
   const std::string& name() const;
 

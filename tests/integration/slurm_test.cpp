@@ -89,9 +89,11 @@ TEST_F(Slurm, RunsTwoCampaignsAtOnceEachAsOneJobAndAnswersFromTheLoginNode) {
   submit(nodes(1), honest_tasks(12, 0.4), "one");
   wait_for_finished(1, 15.0, "two");
 
-  // From here the pilot's node is another host: its control socket would be of no use.
-  EXPECT_THAT(json::read_file(dir("two") / "endpoint.json")->text_or("host", ""), ::testing::StartsWith("node"));
-  fs::remove(dir("two") / "control.sock");
+  if (cluster->has_own_hosts()) {
+    // From here the pilot's node is another host: its control socket would be of no use.
+    EXPECT_THAT(json::read_file(dir("two") / "endpoint.json")->text_or("host", ""), ::testing::StartsWith("node"));
+    fs::remove(dir("two") / "control.sock");
+  }
   EXPECT_TRUE(status_of(dir("two"))["alive"].as_bool());
   EXPECT_THAT(granary({"explain", dir("two").string(), "t0"}).out, HasSubstr("t0"));
   wait_for_finished(25, 30.0, "two");
@@ -100,8 +102,10 @@ TEST_F(Slurm, RunsTwoCampaignsAtOnceEachAsOneJobAndAnswersFromTheLoginNode) {
   expect_each_finished_once(dir("two"), 24);
   expect_each_finished_once(dir("one"), 12);
   const std::string hosts = text_in(dir("two") / "mpi.hosts");
-  EXPECT_EQ(count_in(hosts, "node"), 2) << hosts;
-  EXPECT_NE(hosts.substr(0, hosts.find('\n')), hosts.substr(hosts.find('\n') + 1, hosts.find('\n'))) << "two nodes";
+  EXPECT_EQ(count_in(hosts, "\n"), 2) << hosts;
+  if (cluster->has_own_hosts()) {
+    EXPECT_NE(hosts.substr(0, hosts.size() / 2), hosts.substr(hosts.size() / 2)) << "on two nodes";
+  }
   cluster->wait_until_idle();
 }
 

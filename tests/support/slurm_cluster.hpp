@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "common/files.hpp"
 #include "pilot/launch/run_program.hpp"
 
 namespace granary::test {
@@ -39,6 +40,8 @@ class SlurmCluster {
   }
 
   const std::string& why_not() const { return why_not_; }
+  /// Whether each node has a host name of its own: not where this user may not make namespaces.
+  bool has_own_hosts() const { return read_text(dir_ + "/ns").value_or("").starts_with("yes"); }
   /// A power cut: everything on the node is gone at once.
   void crash(const std::string& node) const { EXPECT_EQ(run({"crash-node", dir_, node}, 20.0)->exit_code, 0); }
   void boot(const std::string& node) const { EXPECT_EQ(run({"boot-node", dir_, node}, 20.0)->exit_code, 0); }
