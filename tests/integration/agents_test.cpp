@@ -161,6 +161,35 @@ TEST_F(Agents, RaiseNoFalseAlarmUnderLoad) {
   expect_each_finished_once(dir(), 3);
 }
 
+TEST_F(Agents, OfASilentNodeAreMissedWithinFiveSecondsAndTakenAgainWhenItSpeaks) {
+  json::Value tasks = json::Value::array();
+  for (int k = 0; k < 9; ++k)
+    tasks.push(
+        json::Value::object({{"name", "t" + std::to_string(k)}, {"command", std::vector<std::string>{"sleep", "2"}}}));
+  write(tasks);
+  start(3);
+  ASSERT_TRUE(wait_until([&] { return fs::exists(dir() / "t2.out"); }, 10.0));
+  // The whole node freezes; its connections stay open.
+  const AgentPids agent = agent_of(dir(), "node2");
+  std::vector<int> node{agent.guardian, agent.worker};
+  for (const auto& entry : fs::directory_iterator("/proc"))
+    if (std::atoi(entry.path().filename().c_str()) > 0 &&
+        text_in(entry.path() / "environ").find("/node2/") != std::string::npos &&
+        fs::read_symlink(entry.path() / "cwd") == dir())
+      node.push_back(std::atoi(entry.path().filename().c_str()));
+  const double frozen = wall_now();
+  for (const int one : node) kill(one, SIGSTOP);
+  EXPECT_TRUE(wait_until([&] { return !times_of(dir(), "node.lost").empty(); }, 10.0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (const int one : node) kill(one, SIGCONT);
+
+  EXPECT_EQ(end(), 0);
+  ASSERT_EQ(times_of(dir(), "node.lost").size(), 1u);
+  EXPECT_LE(times_of(dir(), "node.lost")[0] - frozen, 5.0);
+  EXPECT_EQ(times_of(dir(), "node.back").size(), 1u);
+  EXPECT_EQ(granary_json({"status", dir().string(), "--json"})["counts"].integer_or("finished", 0), 9);
+}
+
 TEST_F(Agents, OfAPilotThatHangsEndTheirTasksBeforeItCanStartThemAgain) {
   write(honest_tasks(6, 2.0));
   start(3);
