@@ -51,6 +51,7 @@ struct DemSettings {
   std::optional<double> density;       ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles
   double longest_burst = 1.0;          ///< measured DEM time of one burst at most [s]; also dem_case.duration
   std::optional<double> time_step;     ///< [s]; none: the longest that is allowed for each burst's particles and speeds
+  std::optional<int> tally_every;      ///< steps between two looks; none: as the contact time of each burst allows
   std::optional<double> soft_overlap;  ///< particles softened until a hit presses them in so far, over the radius;
                                        ///< none: the material's own stiffness
 };

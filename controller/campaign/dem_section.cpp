@@ -84,7 +84,10 @@ void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   if (!is_auto(reader, "skin")) base.skin = reader.quantity_or("skin", 0.0, "m", Range::positive());
   base.settle_time = reader.quantity_or("settle", base.settle_time, "s", Range::not_negative());
   base.tally.window = reader.quantity_or("tally_window", base.tally.window, "s", Range::positive());
-  base.tally.every = static_cast<int>(reader.integer_or("tally_every", base.tally.every, Range::between(1, 10000)));
+  if (!is_auto(reader, "tally_every")) {
+    dem.tally_every = static_cast<int>(reader.integer_or("tally_every", 1, Range::between(1, 10000)));
+    base.tally.every = *dem.tally_every;
+  }
   dem.longest_burst = reader.quantity_or("longest_burst", dem.longest_burst, "s", Range::positive());
   base.duration = dem.longest_burst;
   base.machine.mixer.outlet_open = reader.boolean_or("through_flow", true);

@@ -47,6 +47,7 @@ json::Value dem_json(const DemSettings& dem) {
                               {"largest_diameter_m", or_null(dem.largest_diameter)},
                               {"density_kg_m3", or_null(dem.density)},
                               {"time_step_s", or_null(dem.time_step)},
+                              {"tally_every", or_null(dem.tally_every)},
                               {"soft_overlap", or_null(dem.soft_overlap)},
                               {"longest_burst_s", dem.longest_burst}});
 }

@@ -114,6 +114,7 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   if (campaign_->dem.soft_overlap)
     burst.contact.young_modulus = dem::automatic_young_modulus(burst, *campaign_->dem.soft_overlap);
   if (!campaign_->dem.time_step) burst.time_step = dem::automatic_time_step(burst);
+  if (!campaign_->dem.tally_every) burst.tally.every = dem::automatic_tally_every(burst);
   burst.seed = campaign_->dem_case.seed + 7919L * start.burst.round + start.attempt - 1;
   if (start.restart) burst.restart = fs::path("..") / start.restart->folder() / "restart.liggghts";
   GRANARY_CHECK(dem::write_burst(burst, folder(start.burst)));
@@ -253,6 +254,9 @@ coupling::Settings coupling_settings(const campaign::Campaign& campaign) {
   to.least_rounds = from.least_rounds;
   to.most_rounds = from.most_rounds;
   to.process_start = campaign.pbm_case.start_time;
+  const pbm::PbmCase& balance = campaign.pbm_case;
+  to.earliest_steady = std::max(balance.spray ? balance.spray->start : 0.0, balance.feed ? balance.feed->start : 0.0);
+  if (to.earliest_steady > to.process_start) to.earliest_steady += balance.compartments.residence_time.value_or(0.0);
   to.process_duration = campaign.duration - campaign.pbm_case.start_time;
   return to;
 }

@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <numbers>
 #include <set>
@@ -26,6 +27,10 @@ namespace granary::dem {
 namespace {
 
 using Range = FixArguments::Range;
+
+double seconds_since_1970() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
 
 double volume_of(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
 
@@ -100,7 +105,10 @@ void FixResize::setup_pre_exchange() {
 }
 
 // Squeezed particles give their energy back within a contact time: looks are closer than that.
-void FixResize::end_of_step() { largest_energy_ = std::max(largest_energy_, measure().energy); }
+void FixResize::end_of_step() {
+  largest_energy_ = std::max(largest_energy_, measure().energy);
+  if (first_steps_ == 0.0) first_steps_ = seconds_since_1970();
+}
 
 void FixResize::post_run() { end_if_failed(world, write_report()); }
 
@@ -119,7 +127,8 @@ Status FixResize::write_report() const {
                                                         {"overlap_resized", overlap_resized_},
                                                         {"overlap_left", overlap_},
                                                         {"sweeps", sweeps_},
-                                                        {"largest_kinetic_energy_J", largest_energy_}}));
+                                                        {"largest_kinetic_energy_J", largest_energy_},
+                                                        {"first_steps_unix_s", first_steps_}}));
 }
 
 std::vector<Particle> FixResize::gather_particles() const {

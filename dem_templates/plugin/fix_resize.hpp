@@ -57,6 +57,7 @@ class FixResize : public LAMMPS_NS::Fix {
   double overlap_before_ = 0.0, overlap_resized_ = 0.0, overlap_ = 0.0;
   int sweeps_ = 0;
   double largest_energy_ = 0.0;  ///< since then, until the run ended [J]
+  double first_steps_ = 0.0;     ///< when the first steps were done [s since 1970]
 };
 
 }  // namespace granary::dem

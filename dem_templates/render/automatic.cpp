@@ -31,6 +31,11 @@ double automatic_time_step(const DemCase& c) {
   return std::floor(longest / digit * (1.0 + 1e-12)) * digit;
 }
 
+int automatic_tally_every(const DemCase& c) {
+  constexpr double kMost = 100.0;  // places and speeds are surveyed at the looks, too
+  return static_cast<int>(std::clamp(2.0 / 3.0 / time_step_figures(c).contact_share, 1.0, kMost));
+}
+
 double automatic_young_modulus(const DemCase& c, double overlap) {
   const TimeStepFigures f = time_step_figures(c);
   const double nu = c.contact.poisson_ratio, r = 0.5 * f.smallest_diameter, v = f.impact_speed;

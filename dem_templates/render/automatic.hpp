@@ -11,6 +11,9 @@ namespace granary::dem {
 /// The longest time step that the rules of time_step.hpp allow, with two digits [s].
 double automatic_time_step(const DemCase& dem_case);
 
+/// Steps between two looks of the tally: two thirds of the fastest impacts' contact time, so that each is seen.
+int automatic_tally_every(const DemCase& dem_case);
+
 /// The softest particles that a hit at the expected impact speed presses in by no more than `overlap` (over the radius,
 /// elastic), but never stiffer than they are:
 ///

@@ -154,7 +154,7 @@ TEST(Workflows, TasksKeepTheirOrderAndDependencies) {
 }
 
 TEST(Workflows, AMachineWithTooFewCoresIsRefused) {
-  const Campaign cm5 = read("cm5.json");
+  const Campaign cm5 = read("cm5.json", {"/dem/ranks=2", "/pbm/ranks=2", "/pbm/threads=1"});
 
   EXPECT_TRUE(check_resources(cm5, 1, 2).has_value());
   EXPECT_TRUE(check_resources(cm5, 2, 1).has_value());

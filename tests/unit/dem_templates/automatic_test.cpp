@@ -36,6 +36,16 @@ TEST(AutomaticTimeStep, GoesByTheMeasuredSpeedWhereThereIsOne) {
   EXPECT_GT(automatic_time_step(c), at_tip_speed);
 }
 
+TEST(AutomaticTallyEvery, SeesEachContactAtLeastOnce) {
+  DemCase c = a_case();
+  for (const double part : {1.0, 0.5, 0.2}) {
+    c.time_step = part * largest_time_step(time_step_figures(c));
+    const TimeStepFigures f = time_step_figures(c);
+    EXPECT_LT(automatic_tally_every(c) * c.time_step, f.contact_time);
+    EXPECT_GE(automatic_tally_every(c), 9);
+  }
+}
+
 TEST(AutomaticStiffness, GivesTheOverlapAskedForWhateverTheSize) {
   for (const double diameter : {0.001, 0.004, 0.01}) {
     DemCase c = a_case();
