@@ -84,10 +84,10 @@ std::string choices_script(const Value& rows) {
 std::string speed_script(const Value& rows) {
   std::string data;
   for (const Value& row : rows.items())
-    data += fmt::format("\"{}{}\" {} {} \"{:.1f}x\"\n", row.text_or("case", ""),
+    data += fmt::format("\"{}{}\" {} {} \"{}\"\n", row.text_or("case", ""),
                         row.integer_or("ranks", 1) > 1 ? fmt::format(", {} ranks", row.integer_or("ranks", 1)) : "",
                         row.number_or("stock_ms_per_step", 0.0), row.number_or("granary_ms_per_step", 0.0),
-                        row.number_or("ratio", 0.0));
+                        row["ratio"].is_number() ? fmt::format("{:.1f}x", row.number_or("ratio", 0.0)) : "stock fails");
   return fmt::format(kStyle, 420) +
          fmt::format(
              "$speed << EOD\n{}EOD\n"
