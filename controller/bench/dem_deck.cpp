@@ -52,10 +52,10 @@ Result<std::string> data_file(const std::string& dump, const dem::Box3& box, lon
       particles, box.low.x, box.high.x, box.low.y, box.high.y, box.low.z, box.high.z, atoms, velocities);
 }
 
-std::string tally_commands(const dem::DemCase& c, const std::vector<dem::Body>& all, long steps) {
+std::string tally_commands(const dem::DemCase& c, const std::vector<dem::Body>& all, long steps, int windows) {
   std::vector<double> edges{c.population.front().from};
   for (const dem::Population& p : c.population) edges.push_back(p.to);
-  const long window = std::max(1L, steps / 10 / c.tally.every) * c.tally.every;
+  const long window = std::max(1L, steps / windows / c.tally.every) * c.tally.every;
   return fmt::format(
       "fix tally all granary/tally file tallies.jsonl every {} window {} axis {} compartments {} {} classes {} {}{}\n",
       c.tally.every, window, c.machine.type == dem::Machine::Type::cm5 ? "x" : "z", c.population.size(),
@@ -105,7 +105,7 @@ Result<std::string> timing_deck(const dem::DemCase& asked, const TimingDeck& dec
     text += fmt::format(
         "fix skin all granary/skin speed {}\nvariable skin equal f_skin\nneighbor ${{skin}} bin\nunfix skin\n",
         dem::tip_speed(c.machine));
-  if (deck.tallied) text += tally_commands(c, all, deck.steps);
+  if (deck.windows > 0) text += tally_commands(c, all, deck.steps, deck.windows);
   return text + fmt::format("run {}\n", deck.steps);
 }
 

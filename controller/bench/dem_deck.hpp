@@ -26,7 +26,7 @@ struct TimingDeck {
   std::optional<double> skin;  ///< [m]; none: granary/skin chooses (granary-dem only)
   long warm_up = 200;          ///< steps of the first `run`
   long steps = 1000;           ///< of the second, which is timed
-  bool tallied = false;        ///< with granary/tally, ten windows in all (granary-dem only)
+  int windows = 0;             ///< of a granary/tally during the second; 0: no tally (granary-dem only)
 };
 
 /// The input script. Errors: the case's meshes.

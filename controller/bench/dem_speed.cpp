@@ -87,8 +87,7 @@ std::int64_t impeller_triangles(const dem::DemCase& c) {
 Status add_differences(const Runner& runner, double stock_skin, Value& row) {
   std::array<std::vector<Measured>, 2> measured;
   const auto measure = [&](std::size_t k) -> Status {
-    TimingDeck deck{k == 0 ? dem::Walls::stock : dem::Walls::granary, std::nullopt, 200, runner.one.tallied_steps,
-                    true};
+    TimingDeck deck{k == 0 ? dem::Walls::stock : dem::Walls::granary, std::nullopt, 200, runner.one.tallied_steps, 10};
     if (k == 0) deck.skin = stock_skin;
     const fs::path folder = runner.state.folder / (k == 0 ? "tallied_stock" : "tallied_granary");
     std::error_code failed;
