@@ -53,10 +53,11 @@ struct TaskSpec {
   int priority = 0;                    ///< larger goes first; equal ones in order of submission
   bool fill = false;                   ///< runs only on idle cores, gives way at once
   Preempt preempt = Preempt::suspend;  ///< fillers only
-  double timeout = 0.0;    ///< [s] running time of one attempt after which it is stopped and has failed; 0: none
-  double expected = 0.0;   ///< [s] running time it will hardly exceed, for planning; 0: its timeout, else unknown
-  bool resumable = false;  ///< stopped by its signal, a next attempt goes on where it was: may meet the deadline
-  int retries = 0;         ///< further attempts after a failed one
+  double timeout = 0.0;         ///< [s] running time of one attempt after which it is stopped and has failed; 0: none
+  double expected = 0.0;        ///< [s] running time it will hardly exceed, for planning; 0: its timeout, else unknown
+  bool resumable = false;       ///< stopped by its signal, a next attempt goes on where it was: may meet the deadline
+  std::vector<int> success{0};  ///< exit codes of an attempt that has done its work: a monitor's verdicts are such
+  int retries = 0;              ///< further attempts after a failed one
   StopRule stop;
   std::vector<std::filesystem::path>
       produces;                       ///< must exist after exit code 0, else the task has failed; relative to dir

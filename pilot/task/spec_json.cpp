@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <limits>
@@ -93,6 +94,20 @@ void read_stop(json::Reader& task, TaskSpec& spec) {
   stop->done();
 }
 
+void read_success(json::Reader& task, TaskSpec& spec) {
+  const json::Value* codes = task.raw("success");
+  if (codes == nullptr) return;
+  spec.success.clear();
+  bool good = codes->is_array() && !codes->items().empty();
+  for (std::size_t k = 0; good && k < codes->items().size(); ++k) {
+    const json::Value& code = codes->items()[k];
+    good = code.is_number() && code.as_number() >= 0.0 && code.as_number() <= 255.0 &&
+           code.as_number() == std::floor(code.as_number());
+    if (good) spec.success.push_back(static_cast<int>(code.as_number()));
+  }
+  if (!good) task.problem("success", "must be a list of exit codes from 0 to 255.", "Write [0, 1].");
+}
+
 /// A relative path that climbs out of the run directory is a mistake, or worse; an absolute one is meant.
 void check_paths(json::Reader& task, const TaskSpec& spec) {
   const auto check = [&](const std::string& key, const std::filesystem::path& path) {
@@ -145,6 +160,7 @@ TaskSpec read_task(json::Reader& task) {
   spec.timeout = task.quantity_or("timeout", spec.timeout, "s", json::Range::positive());
   spec.expected = task.quantity_or("expected", spec.expected, "s", json::Range::positive());
   spec.resumable = task.boolean_or("resumable", spec.resumable);
+  read_success(task, spec);
   spec.retries = small_integer(task, "retries", spec.retries, 0);
   read_stop(task, spec);
   spec.produces = paths_of(task.texts_or("produces", {}));
@@ -209,6 +225,11 @@ json::Value to_json(const TaskSpec& spec) {
   if (spec.timeout > 0.0) value.set("timeout_s", spec.timeout);
   if (spec.expected > 0.0) value.set("expected_s", spec.expected);
   if (spec.resumable) value.set("resumable", true);
+  if (spec.success != standard.success) {
+    json::Value codes = json::Value::array();
+    for (const int code : spec.success) codes.push(code);
+    value.set("success", std::move(codes));
+  }
   if (spec.retries != 0) value.set("retries", spec.retries);
   if (spec.stop.signal) value.set("stop_signal", *spec.stop.signal);
   if (spec.stop.grace != standard.stop.grace) value.set("grace_s", spec.stop.grace);
@@ -240,6 +261,10 @@ TaskSpec spec_from_json(const json::Value& value) {
   spec.timeout = value.number_or("timeout_s", spec.timeout);
   spec.expected = value.number_or("expected_s", spec.expected);
   spec.resumable = flag(value, "resumable");
+  if (const json::Value* codes = value.find("success"); codes != nullptr && codes->is_array()) {
+    spec.success.clear();
+    for (const json::Value& code : codes->items()) spec.success.push_back(static_cast<int>(code.as_number()));
+  }
   spec.retries = static_cast<int>(value.integer_or("retries", spec.retries));
   if (value.find("stop_signal") != nullptr)
     spec.stop.signal = static_cast<int>(value.integer_or("stop_signal", SIGTERM));

@@ -111,7 +111,7 @@ class Step {
       case Ending::none:
         break;
     }
-    const std::string fault = fault_of(event);
+    const std::string fault = fault_of(task->spec, event);
     if (!fault.empty()) return fail(*task, fault);
     close_attempt(*task, TaskState::finished, "");
     finish(*task);
@@ -325,13 +325,14 @@ class Step {
                        before.state == TaskState::failed ? "failed" : "was stopped");
   }
 
-  static std::string fault_of(const Exited& event) {
+  static std::string fault_of(const TaskSpec& spec, const Exited& event) {
     if (event.signal != 0) return fmt::format("ended by signal {} ({})", event.signal, strsignal(event.signal));
-    if (event.exit_code != 0) return fmt::format("exit code {}", event.exit_code);
+    if (std::find(spec.success.begin(), spec.success.end(), event.exit_code) == spec.success.end())
+      return fmt::format("exit code {}", event.exit_code);
     if (event.missing.empty()) return "";
     std::string names;
     for (const auto& file : event.missing) names += (names.empty() ? "" : ", ") + file.string();
-    return "ended with exit code 0, but did not produce " + names;
+    return fmt::format("ended with exit code {}, but did not produce {}", event.exit_code, names);
   }
 
   Table& table_;
