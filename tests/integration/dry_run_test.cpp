@@ -90,7 +90,7 @@ TEST(Resume, SaysThatThereIsNothingToResume) {
   const Scratch scratch;
   const auto output = granary({"resume", scratch.path().string()});
   EXPECT_EQ(2, output.exit_code);
-  EXPECT_THAT(output.err, testing::HasSubstr("no journal.jsonl"));
+  EXPECT_THAT(output.err, testing::HasSubstr("no campaign is there"));
 }
 
 TEST(Tasks, RunAListToItsEnd) {

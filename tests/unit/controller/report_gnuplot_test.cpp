@@ -64,8 +64,8 @@ TEST_F(ReportFile, IsWrittenFromTheResultsFileAlone) {
   ASSERT_TRUE(status) << status.error().message;
   const std::string page = read_text(folder_ / "report.html").value();
   EXPECT_EQ(test::what_is_wrong_with_html(page), "");
-  EXPECT_EQ(count(page, "<svg"), 18u);
-  EXPECT_EQ(count(page, "</figure>"), 18u);
+  EXPECT_EQ(count(page, "<svg"), 19u);
+  EXPECT_EQ(count(page, "</figure>"), 19u);
   EXPECT_GT(count(page, "<text>comp. 4</text>"), 4u);
   EXPECT_EQ(count(page, "<?xml"), 0u);
   EXPECT_EQ(count(page, "<script"), 0u);

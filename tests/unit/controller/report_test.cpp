@@ -134,7 +134,7 @@ TEST(Report, PutsEachDrawingIntoItsFigure) {
   const std::string page = report_html(test::example_results(), plotter).value();
 
   EXPECT_EQ(plotter.calls, 1);
-  EXPECT_EQ(plotter.asked.size(), 18u);
+  EXPECT_EQ(plotter.asked.size(), 19u);
   for (const auto& plot : plotter.asked) {
     const auto figure = page.find("<figure id=\"" + plot.id + "\"");
     ASSERT_NE(figure, std::string::npos) << plot.id;
@@ -165,7 +165,7 @@ TEST(Report, LeavesOutOnlyWhatIsMissing) {
   FakePlotter plotter;
   const std::string page = report_html(results, plotter).value();
 
-  EXPECT_EQ(plotter.asked.size(), 18u - 4u - 1u - 1u);
+  EXPECT_EQ(plotter.asked.size(), 19u - 4u - 1u - 1u);
   EXPECT_THAT(page, HasSubstr("Left out: “Porosity of the granules”: the results hold no PBM series for it."));
   EXPECT_THAT(page, HasSubstr("“Outflow of solids”: nothing flows out"));
   EXPECT_THAT(page, HasSubstr("no DEM burst gave rates"));
