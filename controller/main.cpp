@@ -84,7 +84,8 @@ int main(int argc, char** argv) {
   auto* serve = on_folder("serve", "The same as a web page of this machine; prints its address",
                           [&] { return commands::serve(dir, address, port); });
   serve->add_option("--port", port, "Port (default: one that is free)")->check(CLI::Range(0, 65535));
-  serve->add_option("--address", address, "Listen on this address; without TLS, so others than loopback let it be read");
+  serve->add_option("--address", address,
+                    "Listen on this address; without TLS, so others than loopback let it be read");
   on_folder("stop", "End a running campaign gracefully, to be resumed", [&] { return commands::stop(dir); });
   auto* resume = on_folder("resume", "Go on after a stop, a kill or a crash",
                            [&] { return commands::resume(dir, options.json, options.quiet, options.virtual_nodes); });
@@ -128,7 +129,8 @@ int main(int argc, char** argv) {
   bench_pilot->add_flag("--json", pilot_options.json, "Print one JSON document on stdout and nothing else");
   bench_pilot->add_option("--cores", pilot_options.cores, "Cores to use (default: all)")->check(CLI::PositiveNumber);
   bench_pilot->add_option("--simulate", pilot_options.simulate, "Only simulate: nodes=N,cores=C,tasks=T");
-  bench_pilot->add_flag("--slurm", pilot_options.slurm, "Only tasks through agents beside srun, inside of a job of Slurm");
+  bench_pilot->add_flag("--slurm", pilot_options.slurm,
+                        "Only tasks through agents beside srun, inside of a job of Slurm");
   bench_pilot->add_option("--dir", pilot_options.dir, "Folder to work in (default: that for temporary files)");
   bench_pilot->callback([&] { chosen = [&] { return commands::bench_pilot(pilot_options); }; });
 

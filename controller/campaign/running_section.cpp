@@ -15,7 +15,9 @@ using json::Range;
 
 /// A word for an #SBATCH line: nothing that could end it, or be split.
 bool is_word(const std::string& text) {
-  const auto fine = [](unsigned char c) { return std::isgraph(c) != 0 && c != '"' && c != '\'' && c != '\\' && c != '#'; };
+  const auto fine = [](unsigned char c) {
+    return std::isgraph(c) != 0 && c != '"' && c != '\'' && c != '\\' && c != '#';
+  };
   return !text.empty() && text.size() <= 500 && std::all_of(text.begin(), text.end(), fine);
 }
 

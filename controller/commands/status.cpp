@@ -23,7 +23,8 @@ Result<json::Value> past_status(const fs::path& dir) {
 Result<json::Value> campaign_status(const fs::path& dir) {
   const bool alive = pilot::pilot_is_alive(dir);
   if (alive) {
-    if (auto status = pilot::ask_pilot(dir, json::Value::object({{"ask", "status"}}))) return status->set("alive", true);
+    if (auto status = pilot::ask_pilot(dir, json::Value::object({{"ask", "status"}})))
+      return status->set("alive", true);
   }
   // A pilot that is just starting, or ending, does not answer: what it does is in the journal.
   GRANARY_TRY(json::Value status, past_status(dir));

@@ -305,7 +305,8 @@ class Update {
     const auto ends = [&](End::How how, std::string message) {
       return std::pair{std::optional(how), Why{std::string(name(how)), std::move(message), std::move(numbers)}};
     };
-    if (two_way() && settled && long_enough && gone_through && last.reason != "drifted" && round >= settings_.least_rounds)
+    if (two_way() && settled && long_enough && gone_through && last.reason != "drifted" &&
+        round >= settings_.least_rounds)
       return ends(
           End::How::steady,
           fmt::format("nothing in the DEM moved by more than {:.3g} % over {:.6g} s, and rounds {} and {} agree "

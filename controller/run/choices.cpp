@@ -159,9 +159,10 @@ Status dem_choices(std::vector<ModelChoice>& choices, const campaign::Campaign& 
                                    "{:.2g} s at most (measured)",
                                    sorted[sorted.size() / 2], sorted.back())});
   }
-  choices.push_back({"DEM walls", campaign.dem_case.walls == dem::Walls::granary ? "granary/wall" : "LIGGGHTS' own",
-                     "forces equal to 1e-11 on standing walls (a test of the build, not of this run)",
-                     campaign.dem_case.walls == dem::Walls::granary ? "6 to 10 times faster steps in the bench" : "slower"});
+  choices.push_back(
+      {"DEM walls", campaign.dem_case.walls == dem::Walls::granary ? "granary/wall" : "LIGGGHTS' own",
+       "forces equal to 1e-11 on standing walls (a test of the build, not of this run)",
+       campaign.dem_case.walls == dem::Walls::granary ? "6 to 10 times faster steps in the bench" : "slower"});
   choices.push_back({"Particle shape", "spheres", kNotMeasured, kNotMeasured});
   choices.push_back({"Liquid bridges in the DEM", "left out", kNotMeasured, "nothing"});
   choices.push_back({"Coupling threshold", fmt::format("{:g} %", 100.0 * campaign.coupling.threshold), kNotMeasured,

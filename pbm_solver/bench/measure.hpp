@@ -28,8 +28,8 @@ struct Timing {
 };
 
 /// Times the contenders in turn, round by round, so that a busy spell of the machine meets all of them. A round of a
-/// fast one is as many evaluations as fill `least_sample` seconds: a run evaluates thousands in a row, so the first one,
-/// with what the contender before left in the caches, must not weigh. First evaluations warm up and do not count,
+/// fast one is as many evaluations as fill `least_sample` seconds: a run evaluates thousands in a row, so the first
+/// one, with what the contender before left in the caches, must not weigh. First evaluations warm up and do not count,
 /// unless they take so long that there is only one.
 std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int rounds, double least_sample = 1e-2);
 
