@@ -31,7 +31,8 @@ class LeastSquares final : public Search {
     // Steps that are tried at the same time differ in their damping: 1, 1/10, 10, 1/100, ... times the current one.
     int tried = 0;
     for (const Step& s : steps_) tried += s.from == centre_;
-    const double power = (tried + 1) / 2 * (tried % 2 == 1 ? -1.0 : 1.0);
+    const int tenfold = (tried + 1) / 2;
+    const double power = tried % 2 == 1 ? -tenfold : tenfold;
     if (tried > 6) return around(centre().at, reach_);
     const VectorXd step = model.step(damping_ * std::pow(10.0, power));
     if (tried == 0 && model.expected_gain(step) < 1e-3 * std::max(1.0, best().cost)) {
