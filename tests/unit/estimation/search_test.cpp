@@ -83,8 +83,8 @@ TEST_P(EveryMethod, KeepsWithinTheBoundsAndNeverWaits) {
   EXPECT_EQ(search->told(), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Search, EveryMethod, testing::ValuesIn(kMethods), [](const auto& info) {
-  std::string name = name_of(info.param);
+INSTANTIATE_TEST_SUITE_P(Search, EveryMethod, testing::ValuesIn(kMethods), [](const auto& tested) {
+  std::string name = name_of(tested.param);
   std::erase_if(name, [](char c) { return c == '-'; });
   return name;
 });
