@@ -56,9 +56,12 @@ struct Posterior::State {
   std::vector<Sample> samples;
   std::vector<double> weights;
   std::size_t adapted_at = 0;
+  bool stale = false;  ///< the weights are those of fewer samples
 
   /// Deterministic mixture: each sample is held against all proposals, in the share they were drawn from.
   void weigh() {
+    if (!stale) return;
+    stale = false;
     double least = 1e300, drawn = 0.0;
     for (const Sample& s : samples) least = std::min(least, s.cost);
     for (const Proposal& p : proposals) drawn += p.drawn;
@@ -118,15 +121,18 @@ Point Posterior::ask() {
 
 void Posterior::tell(const Point& at, const std::optional<Residuals>& residuals) {
   if (residuals && cost_of(*residuals) < 1e300) state_->samples.push_back({vector_of(at), cost_of(*residuals)});
-  if (state_->samples.empty()) return;
-  state_->weigh();
+  state_->stale = !state_->samples.empty();
   const auto batch = 40 + 10 * at.size();
-  if (state_->samples.size() >= state_->adapted_at + batch) state_->adapt();
+  if (state_->samples.size() < state_->adapted_at + batch) return;
+  state_->weigh();
+  state_->adapt();
+  state_->stale = true;
 }
 
 std::size_t Posterior::samples() const { return state_->samples.size(); }
 
 double Posterior::effective_samples() const {
+  state_->weigh();
   double squares = 0.0;
   for (const double w : state_->weights) squares += w * w;
   return squares > 0.0 ? 1.0 / squares : 0.0;
