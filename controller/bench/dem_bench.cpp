@@ -11,6 +11,7 @@
 #include "controller/bench/dem_choices.hpp"
 #include "controller/bench/dem_comparison.hpp"
 #include "controller/bench/dem_run.hpp"
+#include "controller/bench/scratch_folder.hpp"
 #include "pilot/launch/command.hpp"
 #include "pilot/schedule/machine.hpp"
 
@@ -40,7 +41,13 @@ Status check(const std::vector<std::string>& parts) {
 Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts, const Say& say) {
   GRANARY_CHECK(check(parts));
   GRANARY_TRY(const pilot::Machine machine, pilot::local_machine());
-  GRANARY_TRY(const ScratchFolder scratch, ScratchFolder::make());
+  std::error_code failed;
+  const std::filesystem::path below = std::filesystem::temp_directory_path(failed);
+  const auto folder = failed ? std::nullopt : ScratchFolder::make(below);
+  if (!folder)
+    return Error{fmt::format("{}: no folder can be made here. Set TMPDIR to one where some 100 MB can be written.",
+                             below.empty() ? "TMPDIR" : below.string()),
+                 Exit::task_failed};
   std::mutex one_at_a_time;
   const Say in_turn = [&](const std::string& what) {
     const std::scoped_lock lock(one_at_a_time);
@@ -59,19 +66,19 @@ Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts
                                    "speed: the program liggghts of Debian; comparison and differences: "
                                    "granary-dem with fix mesh/surface, move/mesh and wall/gran"}});
   if (wanted("speed")) {
-    GRANARY_TRY(const Value rows, speed_rows(effort, scratch.path(), in_turn));
+    GRANARY_TRY(const Value rows, speed_rows(effort, folder->path(), in_turn));
     document.set("speed", rows);
   }
   if (wanted("overheads")) {
-    GRANARY_TRY(const Value all, overheads(effort, scratch.path(), in_turn));
+    GRANARY_TRY(const Value all, overheads(effort, folder->path(), in_turn));
     for (const auto& [key, value] : all.members()) document.set(key, value);
   }
   if (wanted("comparison")) {
-    GRANARY_TRY(const Value rows, comparison_rows(effort, scratch.path(), in_turn));
+    GRANARY_TRY(const Value rows, comparison_rows(effort, folder->path(), in_turn));
     document.set("comparison", rows);
   }
   if (wanted("choices")) {
-    GRANARY_TRY(const Value rows, choice_rows(effort, scratch.path(), in_turn));
+    GRANARY_TRY(const Value rows, choice_rows(effort, folder->path(), in_turn));
     document.set("choices", rows);
   }
   return document.set("load_at_end", load_of_machine());

@@ -46,22 +46,6 @@ Result<std::vector<std::string>> with_ranks(const std::vector<std::string>& comm
 
 }  // namespace
 
-Result<ScratchFolder> ScratchFolder::make() {
-  std::error_code failed;
-  const fs::path parent = fs::temp_directory_path(failed);
-  std::string name = (parent / "granary-bench-XXXXXX").string();
-  if (failed || mkdtemp(name.data()) == nullptr)
-    return Error{
-        fmt::format("{}: no folder can be made here. Set TMPDIR to one where some 100 MB can be written.", name),
-        Exit::task_failed};
-  return ScratchFolder(name);
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  if (!path_.empty()) fs::remove_all(path_, ignored);
-}
-
 std::vector<Loop> read_loops(const std::string& printed) {
   std::vector<Loop> loops;
   std::istringstream lines(printed);

@@ -13,20 +13,6 @@
 
 namespace granary::bench {
 
-/// A folder that is gone at the end.
-class ScratchFolder {
- public:
-  static Result<ScratchFolder> make();
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  ScratchFolder& operator=(ScratchFolder&&) = delete;
-  ~ScratchFolder();
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
-};
-
 /// One `run` of an input script, from the lines LIGGGHTS prints after it.
 struct Loop {
   double seconds = 0.0;       ///< "Loop time of"

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include "controller/bench/pilot_simulation.hpp"
 #include "controller/bench/pilot_slurm.hpp"
 #include "controller/bench/pilot_table.hpp"
+#include "controller/bench/scratch_folder.hpp"
 #include "controller/commands/commands.hpp"
 
 namespace granary::commands {
@@ -16,29 +16,6 @@ namespace fs = std::filesystem;
 using json::Value;
 
 namespace {
-
-/// A folder that goes with us.
-class Scratch {
- public:
-  static Result<Scratch> make(const fs::path& below) {
-    std::string path = (below / "granary-bench-XXXXXX").string();
-    if (mkdtemp(path.data()) == nullptr)
-      return Error{
-          fmt::format("{}: no folder can be made here for the bench. Give another one: --dir.", below.string())};
-    return Scratch(path);
-  }
-  Scratch(Scratch&& other) noexcept : dir_(std::move(other.dir_)) { other.dir_.clear(); }
-  Scratch& operator=(Scratch&&) = delete;
-  ~Scratch() {
-    std::error_code ignored;
-    if (!dir_.empty()) fs::remove_all(dir_, ignored);
-  }
-  const fs::path& dir() const { return dir_; }
-
- private:
-  explicit Scratch(fs::path dir) : dir_(std::move(dir)) {}
-  fs::path dir_;
-};
 
 Value as_json(const bench::SimulationRun& run) {
   return Value::object({{"nodes", run.size.nodes},
@@ -99,10 +76,12 @@ Result<Exit> bench_pilot(const PilotBenchOptions& options) {
     GRANARY_TRY(size, bench::parse_simulation_size(options.simulate));
   }
   const fs::path below = options.dir.empty() ? fs::temp_directory_path() : options.dir;
-  GRANARY_TRY(const Scratch scratch, Scratch::make(below));
+  const auto scratch = bench::ScratchFolder::make(below);
+  if (!scratch)
+    return Error{fmt::format("{}: no folder can be made here for the bench. Give another one: --dir.", below.string())};
   Value document = Value::object();
   if (options.simulate.empty() && !options.slurm) {
-    bench::LocalBench local{scratch.dir(), options.cores};
+    bench::LocalBench local{scratch->path(), options.cores};
     if (options.quick) {
       local.tasks = 1000;
       local.seconds = 1.0;
@@ -111,8 +90,8 @@ Result<Exit> bench_pilot(const PilotBenchOptions& options) {
   }
   if (options.slurm || (options.simulate.empty() && bench::in_slurm_job())) {
     std::error_code error;
-    fs::create_directory(scratch.dir() / "slurm", error);
-    GRANARY_TRY(Value slurm, bench::run_slurm_pilot_bench({scratch.dir() / "slurm"}, say));
+    fs::create_directory(scratch->path() / "slurm", error);
+    GRANARY_TRY(Value slurm, bench::run_slurm_pilot_bench({scratch->path() / "slurm"}, say));
     document.set("slurm", std::move(slurm));
   } else if (options.simulate.empty()) {
     document.set("slurm", Value()).set("slurm_why", "measured inside a job of Slurm only: docs/slurm.md");
@@ -121,7 +100,7 @@ Result<Exit> bench_pilot(const PilotBenchOptions& options) {
     fmt::print("{}\n", json::dump(document, 1));
     return Exit::ok;
   }
-  GRANARY_TRY(Value simulated, simulate(size, scratch.dir(), say));
+  GRANARY_TRY(Value simulated, simulate(size, scratch->path(), say));
   document.set("simulate", std::move(simulated));
   say("done");
   fmt::print("{}\n", options.json ? json::dump(document, 1) : bench::pilot_table(document));

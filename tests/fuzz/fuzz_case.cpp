@@ -1,24 +1,19 @@
 // Any bytes as a case file. What read_case() accepts must print and read back to the same case, and start to run.
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 
 #include "common/json/io.hpp"
 #include "pbm_solver/case/pbm_case.hpp"
 #include "pbm_solver/output/summary.hpp"
 #include "pbm_solver/time/simulation.hpp"
+#include "tests/fuzz/fuzz_support.hpp"
 
 namespace {
 
 using namespace granary;
+using fuzz::demand;
 
 constexpr std::size_t kMostClasses = 64, kMostCompartments = 4, kMostDemClasses = 16;  // else a step takes too long
-
-void demand(bool kept, const char* promise) {
-  if (kept) return;
-  std::fprintf(stderr, "not kept: %s\n", promise);
-  std::abort();
-}
 
 void comes_back(const pbm::PbmCase& c) {
   const std::string written = json::dump(pbm::to_json(c));

@@ -1,59 +1,31 @@
 // Any journal to go on from: any bytes; a true one with damage; and lines of right checksum that tell of anything. Each
 // is refused with a message, or read; what is read is the journal's beginning, and what is kept of it reads the same.
 #include <fuzzer/FuzzedDataProvider.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "pilot/journal/journal.hpp"
 #include "pilot/task/event.hpp"
+#include "tests/fuzz/fuzz_support.hpp"
 
 namespace {
 
 using namespace granary;
+using fuzz::demand;
 using namespace granary::pilot;
 namespace fs = std::filesystem;
 
-void demand(bool kept, const char* promise) {
-  if (kept) return;
-  std::fprintf(stderr, "not kept: %s\n", promise);
-  std::abort();
-}
-
-/// In memory, gone when the program ends.
-class Place {
- public:
-  Place()
-      : folder_((fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
-                ("granary-fuzz-journal-" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Place() { fs::remove_all(folder_); }
-  fs::path file() const { return folder_ / "journal.jsonl"; }
-
- private:
-  fs::path folder_;
-};
-
-const Place& place() {
-  static const Place one;
+const fuzz::OwnFile& place() {
+  static const fuzz::OwnFile one("journal.jsonl");
   return one;
-}
-
-void put(std::string_view bytes) {
-  std::ofstream(place().file(), std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 /// What can be read of it, after all that must hold for any bytes.
 std::vector<Record> read_back(const std::string& bytes) {
-  put(bytes);
-  const auto content = read_journal(place().file());
+  place().put(bytes);
+  const auto content = read_journal(place().path());
   if (!content) {
     demand(content.error().message.find("journal.jsonl") != std::string::npos, "a refusal names the file");
     return {};
@@ -62,11 +34,11 @@ std::vector<Record> read_back(const std::string& bytes) {
   for (std::size_t k = 0; k < content->records.size(); ++k)
     demand(content->records[k].sequence == k + 1, "no line is missing");
   {
-    const auto opened = Journal::open(place().file());
+    const auto opened = Journal::open(place().path());
     demand(opened.has_value(), "what can be read can be gone on with");
     demand(opened->n_records() == content->records.size(), "all of it");
   }
-  const auto again = read_journal(place().file());
+  const auto again = read_journal(place().path());
   demand(again && again->dropped_bytes == 0 && again->records.size() == content->records.size(),
          "what is kept is whole and reads the same");
   for (const Record& record : content->records) {

@@ -3,8 +3,6 @@
 // are.
 #include <fuzzer/FuzzedDataProvider.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -12,17 +10,13 @@
 #include "pilot/agent/messages.hpp"
 #include "pilot/protocol/frame.hpp"
 #include "pilot/protocol/handshake.hpp"
+#include "tests/fuzz/fuzz_support.hpp"
 
 namespace {
 
 using namespace granary;
+using fuzz::demand;
 using namespace granary::pilot;
-
-void demand(bool kept, const char* promise) {
-  if (kept) return;
-  std::fprintf(stderr, "not kept: %s\n", promise);
-  std::abort();
-}
 
 Digest key_of(unsigned char byte) {
   Digest key{};

@@ -2,12 +2,9 @@
 // datasets and attributes are of any kind, shape, size and value. Each is refused with a message, or gives a state that
 // is finite and not negative.
 #include <fuzzer/FuzzedDataProvider.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -17,20 +14,16 @@
 #include "common/results/sealed_driver.hpp"
 #include "pbm_solver/model/model_tables.hpp"
 #include "pbm_solver/output/state_file.hpp"
+#include "tests/fuzz/fuzz_support.hpp"
 
 namespace {
 
 using namespace granary;
+using fuzz::demand;
 namespace fs = std::filesystem;
 
 constexpr hsize_t kRows = 2;
 constexpr double kRoundOff = 1e-12;
-
-void demand(bool kept, const char* promise) {
-  if (kept) return;
-  std::fprintf(stderr, "not kept: %s\n", promise);
-  std::abort();
-}
 
 pbm::PbmCase small_case() {
   pbm::PbmCase c;
@@ -40,37 +33,17 @@ pbm::PbmCase small_case() {
   return c;
 }
 
-/// Where the files lie: in memory, gone when the program ends.
-class Place {
- public:
-  Place()
-      : folder_((fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
-                ("granary-fuzz-" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Place() { fs::remove_all(folder_); }
-  fs::path file() const { return folder_ / "state.h5"; }
-
- private:
-  fs::path folder_;
-};
-
-const Place& place() {
-  static const Place one;
+const fuzz::OwnFile& place() {
+  static const fuzz::OwnFile one("state.h5");
   return one;
-}
-
-void put(std::string_view bytes) {
-  std::ofstream(place().file(), std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 const std::string& a_checkpoint() {
   static const std::string bytes = [] {
     const pbm::PbmCase c = small_case();
     const pbm::ClassGrid grid(c.grid);
-    demand(pbm::write_checkpoint(place().file(), c, grid, pbm::initial_snapshot(c, grid)).has_value(), "it is written");
-    std::ifstream in(place().file(), std::ios::binary);
+    demand(pbm::write_checkpoint(place().path(), c, grid, pbm::initial_snapshot(c, grid)).has_value(), "it is written");
+    std::ifstream in(place().path(), std::ios::binary);
     std::stringstream text;
     text << in.rdbuf();
     return text.str();
@@ -90,7 +63,7 @@ void all_fine(const std::vector<double>& values, std::size_t size, bool may_be_n
 bool try_it(std::optional<double> time) {
   const pbm::PbmCase c = small_case();
   const pbm::ClassGrid grid(c.grid);
-  const auto read = pbm::read_restart(pbm::Restart{place().file(), time}, c, grid);
+  const auto read = pbm::read_restart(pbm::Restart{place().path(), time}, c, grid);
   if (!read) {
     demand(read.error().message.find("state.h5") != std::string::npos, "a refusal names the file");
     return false;
@@ -113,7 +86,7 @@ void try_damaged(FuzzedDataProvider& choices) {
   if (choices.ConsumeBool()) bytes.resize(choices.ConsumeIntegralInRange<std::size_t>(0, bytes.size()));
   while (!bytes.empty() && choices.remaining_bytes() > 0)
     bytes[choices.ConsumeIntegralInRange<std::size_t>(0, bytes.size() - 1)] = choices.ConsumeIntegral<char>();
-  put(bytes);
+  place().put(bytes);
   const bool accepted = try_it({});
   // One of the two seals may be lost; a changed byte behind them may not go unseen.
   if (bytes.size() < whole.size() || bytes.substr(SealedBytes::kHead) != whole.substr(SealedBytes::kHead))
@@ -260,7 +233,7 @@ bool try_built(FuzzedDataProvider& choices) {
   const pbm::ClassGrid grid(c.grid);
   const std::optional<double> time = choices.ConsumeBool() ? std::optional(any_value(choices)) : std::nullopt;
   {
-    auto bytes = SealedBytes::create(place().file());
+    auto bytes = SealedBytes::create(place().path());
     demand(bytes.has_value(), "the file is made");
     const Handle file(create_in(*bytes), H5Fclose);
     add_format(choices, file);
@@ -294,7 +267,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else if (kind == 'd') {
     try_damaged(choices);
   } else {
-    put({reinterpret_cast<const char*>(data + 1), size - 1});
+    place().put({reinterpret_cast<const char*>(data + 1), size - 1});
     try_it({});
   }
   return 0;

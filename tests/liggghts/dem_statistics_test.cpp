@@ -7,6 +7,7 @@
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_comparison.hpp"
 #include "controller/bench/dem_run.hpp"
+#include "controller/bench/scratch_folder.hpp"
 
 namespace granary::bench {
 namespace {
@@ -39,7 +40,7 @@ void expect_agreement(const Comparison& compared) {
 }
 
 TEST(DemStatistics, MixerCollidesAndHitsItsImpellerAsOftenAndAsHardAsWithStockWalls) {
-  const auto scratch = ScratchFolder::make();
+  const auto scratch = ScratchFolder::make(std::filesystem::temp_directory_path());
   ASSERT_TRUE(scratch);
   const dem::DemCase mixer = measured_for(mixer_case({{0.004, 600}}), 0.05, 3);
 
@@ -47,7 +48,7 @@ TEST(DemStatistics, MixerCollidesAndHitsItsImpellerAsOftenAndAsHardAsWithStockWa
 }
 
 TEST(DemStatistics, BowlCollidesAndHitsItsRotorsAsOftenAndAsHardAsWithStockWalls) {
-  const auto scratch = ScratchFolder::make();
+  const auto scratch = ScratchFolder::make(std::filesystem::temp_directory_path());
   ASSERT_TRUE(scratch);
   const dem::DemCase bowl = measured_for(bowl_case({{0.004, 300}}), 0.05, 2);
 
@@ -55,7 +56,7 @@ TEST(DemStatistics, BowlCollidesAndHitsItsRotorsAsOftenAndAsHardAsWithStockWalls
 }
 
 TEST(DemStatistics, SeesThatBouncierParticlesCollideInAnotherWay) {
-  const auto scratch = ScratchFolder::make();
+  const auto scratch = ScratchFolder::make(std::filesystem::temp_directory_path());
   ASSERT_TRUE(scratch);
   const dem::DemCase dull = measured_for(mixer_case({{0.004, 600}}), 0.05, 3);
   dem::DemCase bouncy = dull;
