@@ -12,14 +12,17 @@ from pathlib import Path
 # folder -> folders it may include besides itself (longest prefix wins)
 ALLOWED = {
     "common": ["common"],
+    "estimation/problem": ["common"],
     "estimation/search": ["common"],
     "estimation/trust": ["common", "estimation/search"],
+    "estimation/estimator": ["common", "estimation"],
     "pilot": ["common", "pilot"],
     "pbm_solver/case": ["common"],
     "pbm_solver/model": ["common", "pbm_solver/case"],
     "pbm_solver/time": ["common", "pbm_solver/case", "pbm_solver/model"],
     "pbm_solver/parallel": ["common", "pbm_solver/case", "pbm_solver/model", "pbm_solver/time"],
     "pbm_solver/verification": ["common", "pbm_solver", "pilot/launch"],
+    "pbm_solver/evaluate": ["common", "pbm_solver", "estimation"],
     "pbm_solver": ["common", "pbm_solver"],
     "dem_templates/case": ["common"],
     "dem_templates/geometry": ["common", "dem_templates/case"],
@@ -31,7 +34,7 @@ ALLOWED = {
     "controller/coupling": ["common", "pbm_solver/case", "dem_templates/case", "controller/monitor"],
     "controller/monitor": ["common"],
     "controller/report": ["common", "pilot/launch"],
-    "controller": ["common", "pilot", "pbm_solver/case", "dem_templates/case", "dem_templates/geometry",
+    "controller": ["common", "pilot", "estimation", "pbm_solver/case", "dem_templates/case", "dem_templates/geometry",
                    "dem_templates/render", "controller"],
 }
 
