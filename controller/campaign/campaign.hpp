@@ -4,19 +4,21 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
+#include "controller/campaign/estimation.hpp"
 #include "dem_templates/case/dem_case.hpp"
 #include "pbm_solver/case/pbm_case.hpp"
 #include "pilot/task/spec.hpp"
 
 namespace granary::campaign {
 
-enum class Kind { coupled, tasks };
+enum class Kind { coupled, tasks, sweep };
 
 /// When DEM and PBM take turns, and when that ends.
 struct CouplingSettings {
@@ -99,6 +101,27 @@ struct CostModel {
   int rounds_until_steady = 5;
 };
 
+struct Campaign;
+
+/// One case of a sweep, as it would be understood by itself.
+struct SweepCase {
+  std::string name;                 ///< "0001": of its folder and its task
+  std::vector<json::Value> values;  ///< of the swept settings as written, null: left as it is; shape (settings)
+  std::shared_ptr<const Campaign> understood;  ///< pbm_case or dem_case is the whole case
+};
+
+/// Kind sweep: one solver, many cases.
+struct Sweep {
+  enum class Solver { dem, pbm };
+  struct Setting {
+    std::string pointer;  ///< "/machine/impeller_speed"
+    std::string name;     ///< of its column: "impeller_speed"
+  };
+  Solver solver = Solver::pbm;
+  std::vector<Setting> settings;
+  std::vector<SweepCase> cases;
+};
+
 struct Campaign {
   std::string name;
   Kind kind = Kind::coupled;
@@ -114,9 +137,13 @@ struct Campaign {
   PbmSettings pbm;
   CouplingSettings coupling;
   double duration = 0.0;  ///< end of the process clock [s]
+  std::optional<Estimation> estimation;                   ///< none: nothing is fitted
 
   // kind tasks
   std::vector<pilot::TaskSpec> tasks;
+
+  // kind sweep
+  Sweep sweep;
 
   Resources resources;
   Outputs outputs;

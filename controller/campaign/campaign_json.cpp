@@ -36,12 +36,13 @@ std::optional<Kind> read_kind(json::Reader& root) {
     const std::string& kind = written->as_string();
     if (kind == "coupled") return Kind::coupled;
     if (kind == "tasks") return Kind::tasks;
-    if (kind == "sweep" || kind == "circuit") {
-      root.problem("kind", "not in this version.", "It must be one of: coupled, tasks.");
+    if (kind == "sweep") return Kind::sweep;
+    if (kind == "circuit") {
+      root.problem("kind", "not in this version.", "It must be one of: coupled, tasks, sweep.");
       return std::nullopt;
     }
   }
-  root.choice("kind", {"coupled", "tasks"});
+  root.choice("kind", {"coupled", "tasks", "sweep"});
   return std::nullopt;
 }
 
@@ -70,7 +71,8 @@ void read_coupled(json::Reader& root, Campaign& campaign, json::Problems& proble
   read_process(root, campaign, problems);
   read_dem(root, campaign, problems);
   read_coupling(root, campaign, problems);
-  refuse(root, "coupled", {"tasks"});
+  root.raw("estimation");  // read when all else is known to be sound
+  refuse(root, "coupled", {"tasks", "sweep", "agglomerates"});
 }
 
 void check_tasks_fit(const Campaign& campaign, int nodes, int cores_per_node, json::Problems& problems) {
@@ -95,7 +97,66 @@ void read_tasks(json::Reader& root, Campaign& campaign) {
     if (campaign.tasks.back().name.empty()) item.problem("name", "a task needs a name.");
   }
   refuse(root, "tasks",
-         {"materials", "machine", "feed", "charge", "process", "spray", "dem", "pbm", "coupling", "cost_model"});
+         {"materials", "machine", "feed", "charge", "process", "spray", "dem", "pbm", "coupling", "cost_model", "sweep",
+          "agglomerates", "estimation"});
+}
+
+/// One case of a sweep as a document by itself: what its solver needs and no more.
+void read_case(json::Reader& root, Campaign& one, Sweep::Solver solver, json::Problems& problems) {
+  one.pbm_case.name = one.dem_case.name = one.name;
+  read_materials(root, one, problems);
+  read_machine(root, one, problems);
+  if (solver == Sweep::Solver::dem) {
+    read_dem(root, one, problems);
+    read_dem_alone(root, one, problems);
+    refuse(root, "sweep with the solver dem", {"feed", "charge", "spray", "pbm"});
+    if (problems.empty()) check_dem_alone(one, problems);
+  } else {
+    one.coupling.mode = CouplingSettings::Mode::pbm_only;
+    read_pbm(root, one, problems);
+    read_process(root, one, problems);
+    refuse(root, "sweep with the solver pbm", {"dem", "agglomerates"});
+    check_together(one, problems);
+  }
+  refuse(root, "sweep", {"tasks", "coupling", "estimation"});
+}
+
+Result<Campaign> understand_case(const Campaign& sweep, const SweepCase& one, json::Problems& problems) {
+  Campaign campaign;
+  campaign.file = sweep.file;
+  campaign.folder = sweep.folder;
+  campaign.resources = sweep.resources;
+  campaign.name = sweep.name;
+  campaign.document = sweep.document;
+  for (std::size_t k = 0; k < one.values.size(); ++k)
+    if (const std::string& pointer = sweep.sweep.settings[k].pointer;
+        !one.values[k].is_null() && !set_value(campaign.document, pointer, one.values[k]))
+      problems.add(
+          {sweep.file.string(), pointer, "", "the workflow has no such place in a list.", "Sweep the whole list."});
+  json::Reader root(campaign.document, sweep.file.string(), problems);
+  for (const char* known :
+       {"$schema", "granary", "kind", "name", "description", "sweep", "resources", "outputs", "cost_model"})
+    root.raw(known);
+  read_case(root, campaign, sweep.sweep.solver, problems);
+  root.done();
+  if (!problems.empty()) return problems.error();
+  return campaign;
+}
+
+/// A fault that all cases share is told once; another with the values of the first case that has it.
+void read_cases(Campaign& campaign, json::Problems& problems) {
+  Sweep& sweep = campaign.sweep;
+  for (SweepCase& one : sweep.cases) {
+    json::Problems own;
+    auto understood = understand_case(campaign, one, own);
+    if (understood) one.understood = std::make_shared<const Campaign>(std::move(*understood));
+    for (json::Problem problem : own.list()) {
+      for (std::size_t k = 0; k < sweep.settings.size(); ++k)
+        if (is_within(problem.pointer, sweep.settings[k].pointer))
+          problem.hint += " (Case " + one.name + " of the sweep.)";
+      problems.add(std::move(problem));
+    }
+  }
 }
 
 /// No setting of ours is null; the reader would take some for left out.
@@ -129,19 +190,25 @@ Result<Campaign> understand(json::Value document, const fs::path& file, const fs
   if (!kind) return problems.error();  // what else is asked of it depends on the kind
   campaign.kind = *kind;
   read_running(root, campaign, problems);
-  if (campaign.kind == Kind::coupled)
-    read_coupled(root, campaign, problems);
-  else
-    read_tasks(root, campaign);
-  root.done();
+  if (campaign.kind == Kind::sweep) {
+    read_sweep(root, campaign, problems);
+    read_cases(campaign, problems);
+  } else {
+    if (campaign.kind == Kind::coupled)
+      read_coupled(root, campaign, problems);
+    else
+      read_tasks(root, campaign);
+    root.done();
+  }
 
   const int cores = campaign.resources.cores.value_or(largest_task(campaign));
   if (campaign.kind == Kind::tasks) check_tasks_fit(campaign, campaign.resources.nodes, cores, problems);
   if (campaign.kind == Kind::coupled) {
     if (problems.empty()) choose_likely_time_step(campaign);
     check_together(campaign, problems);
+    read_estimation(root, campaign, problems);
   }
-  if (campaign.kind == Kind::coupled && campaign.resources.cores)
+  if (campaign.kind != Kind::tasks && campaign.resources.cores)
     check_cores(campaign, campaign.resources.nodes, cores, problems);
   // The schema is the second net: it knows the same rules (a test holds the two together), but says less about a fault.
   if (problems.empty()) GRANARY_CHECK(validate_workflow(campaign.document, file.string(), problems));

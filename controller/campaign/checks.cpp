@@ -248,7 +248,28 @@ void check_together(const Campaign& campaign, json::Problems& problems) {
   check_rounds(campaign, checker);
 }
 
+void check_dem_alone(const Campaign& campaign, json::Problems& problems) {
+  Checker checker(campaign, problems);
+  check_machine(campaign, checker);
+  check_meshes(campaign, checker);
+  const dem::DemCase& dem = campaign.dem_case;
+  if (dem.tally.window > dem.duration)
+    checker.add("/dem/tally_window", fmt::format("it is longer than the {:g} s of /process/duration.", dem.duration),
+                "Shorten the one or lengthen the other.");
+  if (dem.agglomerates->sample_every > dem.duration)
+    checker.add("/agglomerates/sample_every",
+                fmt::format("it is longer than the {:g} s of /process/duration.", dem.duration),
+                "Shorten the one or lengthen the other.");
+  if (const auto problem = dem::time_step_problem(dem::time_step_figures(dem)))
+    checker.add("/dem/time_step", "it is too long: " + *problem, "");
+}
+
 void check_cores(const Campaign& campaign, int nodes, int cores_per_node, json::Problems& problems) {
+  if (campaign.kind == Kind::sweep) {
+    for (const SweepCase& one : campaign.sweep.cases)
+      if (one.understood) check_cores(*one.understood, nodes, cores_per_node, problems);
+    return;
+  }
   Checker checker(campaign, problems);
   const int cores = nodes * cores_per_node;
   const std::string there = nodes == 1 ? fmt::format("the {} there are", cores)

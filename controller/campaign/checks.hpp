@@ -10,6 +10,9 @@ namespace granary::campaign {
 /// default.
 void check_together(const Campaign& campaign, json::Problems& problems);
 
+/// The same for a case of a sweep whose solver is the DEM.
+void check_dem_alone(const Campaign& campaign, json::Problems& problems);
+
 /// The DEM's base case takes the time step of likely particles where it is "auto": each burst chooses its own later.
 void choose_likely_time_step(Campaign& campaign);
 

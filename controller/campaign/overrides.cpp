@@ -70,19 +70,6 @@ std::string suggestion(const json::Value& schema, const Nodes& here, const std::
   return near.empty() ? "See docs/workflow_format.md." : "Did you mean " + at + "/" + near + "?";
 }
 
-/// Why the schema knows no such place; nothing if it does.
-std::optional<std::string> unknown_setting(const json::Value& schema, const std::vector<std::string>& steps) {
-  Nodes here = expanded(schema, {&schema});
-  std::string at;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const Nodes next = below(here, steps[i]);
-    if (next.empty()) return suggestion(schema, here, at, steps, i);
-    here = expanded(schema, next);
-    at += "/" + steps[i];
-  }
-  return std::nullopt;
-}
-
 /// The place of the last step, made where the document lacks it; nullptr where a list has no such item, or something
 /// single is in the way.
 json::Value* place_of(json::Value& document, const std::vector<std::string>& steps) {
@@ -111,6 +98,28 @@ json::Value value_of(const std::string& text) {
 
 }  // namespace
 
+std::optional<std::string> unknown_setting(const json::Value& schema, const std::string& pointer) {
+  const auto steps = steps_of(pointer);
+  Nodes here = expanded(schema, {&schema});
+  std::string at;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Nodes next = below(here, steps[i]);
+    if (next.empty()) return suggestion(schema, here, at, steps, i);
+    here = expanded(schema, next);
+    at += "/" + steps[i];
+  }
+  return std::nullopt;
+}
+
+bool set_value(json::Value& document, const std::string& pointer, json::Value value) {
+  json::Value changed = document;  // a place is made on the way there: keep the document as it was if that fails
+  json::Value* place = place_of(changed, steps_of(pointer));
+  if (place == nullptr) return false;
+  *place = std::move(value);
+  document = std::move(changed);
+  return true;
+}
+
 void apply_overrides(json::Value& document, const std::vector<std::string>& overrides, const json::Value& schema,
                      json::Problems& problems) {
   for (const std::string& text : overrides) {
@@ -120,19 +129,11 @@ void apply_overrides(json::Value& document, const std::vector<std::string>& over
       problems.add({name, "", "", "it must be /pointer=value, such as /pbm/bins=32.", ""});
       continue;
     }
-    const auto steps = steps_of(text.substr(0, equals));
-    if (const auto hint = unknown_setting(schema, steps)) {
+    const std::string pointer = text.substr(0, equals);
+    if (const auto hint = unknown_setting(schema, pointer))
       problems.add({name, "", "", "no such setting.", *hint});
-      continue;
-    }
-    json::Value changed = document;  // a place is made on the way there: keep the document as it was if that fails
-    json::Value* place = place_of(changed, steps);
-    if (place == nullptr) {
+    else if (!set_value(document, pointer, value_of(text.substr(equals + 1))))
       problems.add({name, "", "", "the workflow has no such place in a list.", "Set the whole list."});
-      continue;
-    }
-    *place = value_of(text.substr(equals + 1));
-    document = std::move(changed);
   }
 }
 

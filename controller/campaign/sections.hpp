@@ -32,7 +32,13 @@ void read_pbm(json::Reader& root, Campaign& campaign, json::Problems& problems);
 void read_process(json::Reader& root, Campaign& campaign, json::Problems& problems);
 void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems);
 void read_coupling(json::Reader& root, Campaign& campaign, json::Problems& problems);
-/// resources, outputs, cost_model: also of kind tasks.
+/// After all of the above: its experiments are the workflow with other settings.
+void read_estimation(json::Reader& root, Campaign& campaign, json::Problems& problems);
+/// sweep: solver, settings, and the values of each case (none of them understood yet).
+void read_sweep(json::Reader& root, Campaign& campaign, json::Problems& problems);
+/// process and agglomerates of a DEM by itself. After machine and dem.
+void read_dem_alone(json::Reader& root, Campaign& campaign, json::Problems& problems);
+/// resources, outputs, cost_model: also of kinds tasks and sweep.
 void read_running(json::Reader& root, Campaign& campaign, json::Problems& problems);
 
 }  // namespace granary::campaign

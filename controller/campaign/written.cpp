@@ -80,7 +80,25 @@ void add_coupled(const Campaign& campaign, json::Value& understood) {
   understood.set("dem_case", dem::to_json(campaign.dem_case));
   understood.set("pbm_case", pbm::to_json(campaign.pbm_case));
   understood.set("cost_model", cost_json(campaign.cost_model));
+  if (campaign.estimation) understood.set("estimation", to_json(*campaign.estimation));
 }
+
+json::Value sweep_json(const Sweep& sweep) {
+  const bool dem = sweep.solver == Sweep::Solver::dem;
+  json::Value settings = json::Value::array(), cases = json::Value::array();
+  for (const Sweep::Setting& setting : sweep.settings)
+    settings.push(json::Value::object({{"setting", setting.pointer}, {"name", setting.name}}));
+  for (const SweepCase& one : sweep.cases)
+    cases.push(json::Value::object({{"name", one.name},
+                                    {"values", json::Value(json::Array(one.values))},
+                                    {"duration_s", one.understood->duration},
+                                    {dem ? "dem_case" : "pbm_case", dem ? dem::to_json(one.understood->dem_case)
+                                                                        : pbm::to_json(one.understood->pbm_case)}}));
+  return json::Value::object(
+      {{"solver", dem ? "dem" : "pbm"}, {"settings", std::move(settings)}, {"cases", std::move(cases)}});
+}
+
+const char* name_of(Kind kind) { return kind == Kind::coupled ? "coupled" : kind == Kind::tasks ? "tasks" : "sweep"; }
 
 json::Value resources_json(const Resources& resources) {
   return json::Value::object({{"backend", resources.backend == Resources::Backend::slurm ? "slurm" : "local"},
@@ -96,11 +114,12 @@ json::Value resources_json(const Resources& resources) {
 }
 
 json::Value as_understood(const Campaign& campaign) {
-  json::Value understood = json::Value::object({{"kind", campaign.kind == Kind::coupled ? "coupled" : "tasks"},
-                                                {"name", campaign.name},
-                                                {"description", campaign.description}});
+  json::Value understood = json::Value::object(
+      {{"kind", name_of(campaign.kind)}, {"name", campaign.name}, {"description", campaign.description}});
   if (campaign.kind == Kind::coupled) {
     add_coupled(campaign, understood);
+  } else if (campaign.kind == Kind::sweep) {
+    understood.set("sweep", sweep_json(campaign.sweep));
   } else {
     json::Value tasks = json::Value::array();
     for (const pilot::TaskSpec& task : campaign.tasks) tasks.push(pilot::to_json(task));

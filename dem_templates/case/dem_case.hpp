@@ -69,6 +69,27 @@ struct Population {
   std::vector<long> count;
 };
 
+/// Parallel bonds between touching spheres of an agglomerate (granary/bond).
+struct Bonds {
+  double radius = 0.96;                  ///< of a bond, over that of the smaller sphere
+  double normal_stiffness = 5e9;         ///< of a bond's cross-section [N/m^3]
+  double shear_stiffness_ratio = 0.458;  ///< shear over normal
+  double tensile_strength = 1e5;         ///< [Pa]
+  double shear_strength_ratio = 0.563;   ///< shear over tensile
+  double strength_scatter = 0.0;         ///< standard deviation over the mean, of each bond's strengths
+  double damping = 0.1;                  ///< of critical
+  double gap = 0.05;                     ///< spheres nearer than this are bonded, over the sphere's radius
+};
+
+/// Agglomerates of equal spheres, put in whole at random places, instead of a population of single particles.
+struct Agglomerates {
+  int count = 100;
+  int spheres = 37;                 ///< of each
+  double sphere_diameter = 1.2e-3;  ///< [m]
+  double sample_every = 0.01;       ///< a line of fragments.jsonl each [s]
+  Bonds bonds;
+};
+
 struct Tally {
   double window = 0.01;             ///< a line of tallies.jsonl each [s]
   int every = 5;                    ///< steps between looks at the contacts
@@ -91,16 +112,17 @@ struct DemCase {
   Machine machine;
   Walls walls = Walls::granary;
   Contact contact;
-  double density = 1000.0;             ///< of the particles [kg/m^3]
-  double coarse_graining = 1.0;        ///< DEM diameter / real diameter
-  std::vector<Population> population;  ///< per compartment, in order along the axis
-  double feed_rate = 0.0;              ///< solids fed while it runs [kg/s]; 0: none
-  double feed_diameter = 0.0;          ///< of the fed particles [m]; 0: the smallest of the first compartment
-  double time_step = 5e-6;             ///< [s]
-  double impact_speed = 0.0;           ///< of the fastest contacts that were measured before [m/s]; 0: tip speed
-  std::optional<double> skin;          ///< extra reach of the neighbour lists [m]; none: tried out (granary/skin)
-  double settle_time = 0.05;           ///< after a fill or a resize, before the measuring starts [s]
-  double duration = 0.2;               ///< longest measuring time of the burst [s]
+  double density = 1000.0;                   ///< of the particles [kg/m^3]
+  double coarse_graining = 1.0;              ///< DEM diameter / real diameter
+  std::vector<Population> population;        ///< per compartment, in order along the axis
+  std::optional<Agglomerates> agglomerates;  ///< then the population counts their spheres
+  double feed_rate = 0.0;                    ///< solids fed while it runs [kg/s]; 0: none
+  double feed_diameter = 0.0;                ///< of the fed particles [m]; 0: the smallest of the first compartment
+  double time_step = 5e-6;                   ///< [s]
+  double impact_speed = 0.0;                 ///< of the fastest contacts that were measured before [m/s]; 0: tip speed
+  std::optional<double> skin;                ///< extra reach of the neighbour lists [m]; none: tried out (granary/skin)
+  double settle_time = 0.05;                 ///< after a fill or a resize, before the measuring starts [s]
+  double duration = 0.2;                     ///< longest measuring time of the burst [s]
   Tally tally;
   Guard guard;
   std::optional<std::filesystem::path> restart;  ///< LIGGGHTS restart file of the burst before
