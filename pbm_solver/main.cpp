@@ -13,6 +13,7 @@
 #include "common/log.hpp"
 #include "common/version.hpp"
 #include "pbm_solver/bench/bench_command.hpp"
+#include "pbm_solver/evaluate/evaluate_command.hpp"
 #include "pbm_solver/parallel/communicator.hpp"
 #include "pbm_solver/run.hpp"
 #include "pbm_solver/verification/verify_command.hpp"
@@ -105,6 +106,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   run_command->add_flag("--json", as_json, "report as one JSON document");
 
+  pbm::EvaluateOptions evaluation;
+  const CLI::App* evaluate_command = pbm::add_evaluate_command(app, evaluation);
   pbm::VerifyOptions verification;
   const CLI::App* verify_command = pbm::add_verify_command(app, verification);
   pbm::BenchOptions bench;
@@ -114,6 +117,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
     return app.exit(wrong) == 0 ? 0 : static_cast<int>(granary::Exit::bad_input);
+  }
+  if (evaluate_command->parsed()) {
+    const auto evaluated = pbm::evaluate(evaluation);
+    return evaluated ? 0 : fail(evaluated.error(), true);
   }
   if (verify_command->parsed()) return pbm::run_verify_command(verification);
   start_over_with_polite_threads(bench_command->parsed() ? bench.threads : options.threads, argv);

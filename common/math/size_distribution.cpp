@@ -52,4 +52,21 @@ double quantile(std::span<const double> diameter, std::span<const double> weight
   return std::exp(edges.back().at);
 }
 
+std::vector<double> shares_below(std::span<const double> diameter, std::span<const double> weight,
+                                 std::span<const double> limit, double log_width) {
+  GRANARY_ASSERT(diameter.size() == weight.size() && log_width > 0.0);
+  std::vector<double> below(limit.size(), 0.0);
+  double total = 0.0;
+  for (std::size_t i = 0; i < diameter.size(); ++i) {
+    if (!(weight[i] > 0.0) || !(diameter[i] > 0.0)) continue;
+    const double begins = std::log(diameter[i]) - 0.5 * log_width;
+    for (std::size_t k = 0; k < limit.size(); ++k)
+      if (limit[k] > 0.0) below[k] += weight[i] * std::clamp((std::log(limit[k]) - begins) / log_width, 0.0, 1.0);
+    total += weight[i];
+  }
+  if (total > 0.0)
+    for (double& share : below) share /= total;
+  return below;
+}
+
 }  // namespace granary

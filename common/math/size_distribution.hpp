@@ -18,6 +18,12 @@ double sphere_volume(double diameter);
 /// @param log_width         > 0 [-]
 double quantile(std::span<const double> diameter, std::span<const double> weight, double q, double log_width);
 
+/// The share of the weight below each limit (0..1), of the same curve: quantile()'s inverse. All 0 if there is no
+/// weight.
+/// @param limit  diameters [m], shape (n)
+std::vector<double> shares_below(std::span<const double> diameter, std::span<const double> weight,
+                                 std::span<const double> limit, double log_width);
+
 /// Spacing in ln d of a grid with these pivots on its axes [m^3]: a third of the smallest ln of the ratio of
 /// neighbours; pivots at 0 (a solid that is absent) don't count; ln(2) / 3 if no axis has two.
 double log_width_of_pivots(std::span<const double> axis_1, std::span<const double> axis_2);

@@ -3,23 +3,9 @@
 #include <array>
 
 #include "common/math/size_distribution.hpp"
-#include "pbm_solver/model/model_tables.hpp"
 
 namespace granary::pbm {
 namespace {
-
-/// Quantiles of the classes' mean particles, weighted with their volume with liquid and gas.
-Quantiles quantiles_of(const ClassGrid& grid, Fields f) {
-  std::vector<double> diameter, volume;
-  for (std::size_t k = 0; k < grid.size(); ++k) {
-    if (!(f.number[k] > 0.0)) continue;
-    volume.push_back(grid.solid()[k] * f.number[k] + f.liquid[k] + f.gas[k]);
-    diameter.push_back(sphere_diameter(volume.back() / f.number[k]));
-  }
-  const double width = log_width_of_pivots(grid.axis(0).pivots(), grid.axis(1).pivots());
-  return {quantile(diameter, volume, 0.1, width), quantile(diameter, volume, 0.5, width),
-          quantile(diameter, volume, 0.9, width)};
-}
 
 void add_outlet(const PbmCase& c, const ClassGrid& grid, Fields last, Summary& s) {
   s.outlet_rate.assign(grid.size(), 0.0);
@@ -33,10 +19,24 @@ void add_outlet(const PbmCase& c, const ClassGrid& grid, Fields last, Summary& s
   s.outlet_mass_rate = turnover * (c.materials.solid_density[0] * held[0] + c.materials.solid_density[1] * held[1]);
   const double volume = held[0] + held[1] + held[2] + held[3];
   s.outlet_liquid_fraction = volume > 0.0 ? held[2] / volume : 0.0;
-  s.outlet = quantiles_of(grid, last);
+  s.outlet = {s.d10.back(), s.d50.back(), s.d90.back()};
 }
 
 }  // namespace
+
+void Sizes::add(const ClassGrid& grid, Fields f) {
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    if (!(f.number[k] > 0.0)) continue;
+    volume.push_back(grid.solid()[k] * f.number[k] + f.liquid[k] + f.gas[k]);
+    diameter.push_back(sphere_diameter(volume.back() / f.number[k]));
+  }
+}
+
+Quantiles quantiles_of(const Sizes& s, const ClassGrid& grid) {
+  const double width = log_width_of_pivots(grid.axis(0).pivots(), grid.axis(1).pivots());
+  return {quantile(s.diameter, s.volume, 0.1, width), quantile(s.diameter, s.volume, 0.5, width),
+          quantile(s.diameter, s.volume, 0.9, width)};
+}
 
 Summary summarize(const Snapshot& snapshot, const PbmCase& c, const ClassGrid& grid) {
   Summary s;
@@ -48,7 +48,9 @@ Summary summarize(const Snapshot& snapshot, const PbmCase& c, const ClassGrid& g
     for (const double one : f.number) number += one;
     const std::array<double, 4> held = holdup(grid, f);
     const double solid = held[0] + held[1], volume = solid + held[2] + held[3];
-    const Quantiles q = quantiles_of(grid, f);
+    Sizes sizes;
+    sizes.add(grid, f);
+    const Quantiles q = quantiles_of(sizes, grid);
     s.number.push_back(number);
     s.d10.push_back(q.d10), s.d50.push_back(q.d50), s.d90.push_back(q.d90);
     s.solid.push_back(solid), s.liquid.push_back(held[2]), s.gas.push_back(held[3]);

@@ -7,6 +7,7 @@
 #include "common/json/value.hpp"
 #include "pbm_solver/case/pbm_case.hpp"
 #include "pbm_solver/model/class_grid.hpp"
+#include "pbm_solver/model/model_tables.hpp"
 #include "pbm_solver/time/integrator.hpp"
 #include "pbm_solver/time/snapshot.hpp"
 
@@ -33,6 +34,13 @@ struct Summary {
 };
 
 Summary summarize(const Snapshot& snapshot, const PbmCase& pbm_case, const ClassGrid& grid);
+
+/// Mean particles of the classes: diameter [m] and, as their weight, volume with liquid and gas [m^3].
+struct Sizes {
+  std::vector<double> diameter, volume;
+  void add(const ClassGrid& grid, Fields fields);
+};
+Quantiles quantiles_of(const Sizes& sizes, const ClassGrid& grid);
 
 /// What a run has cost so far.
 struct Cost {
