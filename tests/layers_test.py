@@ -29,7 +29,7 @@ ALLOWED = {
     "dem_templates/render": ["common", "dem_templates/case", "dem_templates/geometry", "dem_templates/templates.hpp"],
     "dem_templates/plugin/tally": ["common"],
     "dem_templates/plugin": ["common", "dem_templates/plugin"],
-    "controller/campaign": ["common", "pilot/task", "pilot/schedule", "pbm_solver/case", "dem_templates/case",
+    "controller/campaign": ["common", "estimation/problem", "pilot/task", "pilot/schedule", "pbm_solver/case", "dem_templates/case",
                             "dem_templates/geometry", "dem_templates/render"],
     "controller/coupling": ["common", "pbm_solver/case", "dem_templates/case", "controller/monitor"],
     "controller/monitor": ["common"],
