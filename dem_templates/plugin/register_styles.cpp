@@ -3,6 +3,8 @@
 #include <lammps.h>
 #include <modify.h>
 
+#include "dem_templates/plugin/fix_agglomerates.hpp"
+#include "dem_templates/plugin/fix_bond.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
 #include "dem_templates/plugin/fix_resize.hpp"
@@ -32,6 +34,8 @@ namespace granary::dem {
 
 void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   auto& styles = *(lammps.modify->*fix_map_of_modify());
+  styles["granary/agglomerates"] = create<FixAgglomerates>;
+  styles["granary/bond"] = create<FixBond>;
   styles["granary/guard"] = create<FixGuard>;
   styles["granary/outlet"] = create<FixOutlet>;
   styles["granary/resize"] = create<FixResize>;

@@ -197,6 +197,7 @@ void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
                                 .spin = spin,
                                 .wall_spin = wall_spin};
     largest_overlap_ = std::max(largest_overlap_, approach.overlap / approach.radius);
+    if (touch_listener_) touch_listener_(b, i, approach.overlap / approach.radius);
     RememberedTouch remembered = page.take(number, touch.normal);
     const WallForce pushed = wall_force(materials_[static_cast<std::size_t>(atom->type[i])], rolling_, approach,
                                         update->dt, frozen, remembered.history);

@@ -36,6 +36,9 @@ class FixWall : public LAMMPS_NS::Fix {
   using ImpactListener = std::function<void(std::size_t body, int particle, double speed)>;
   /// There is one listener; an empty one takes its place when it goes.
   void set_listener(ImpactListener listener) { listener_ = std::move(listener); }
+  /// Hears of each touch of this rank in each step: body, particle, overlap over its radius. Of these there is one too.
+  using TouchListener = std::function<void(std::size_t body, int particle, double overlap)>;
+  void set_touch_listener(TouchListener listener) { touch_listener_ = std::move(listener); }
 
   /// What this rank's particles do to a body in this step.
   struct Load {
@@ -111,6 +114,7 @@ class FixWall : public LAMMPS_NS::Fix {
   std::vector<WallMaterial> materials_;  ///< of each particle type, from 1 on
 
   ImpactListener listener_;
+  TouchListener touch_listener_;
   std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
   TouchBook::Page now_;              ///< scratch: of one particle and one body
   double largest_overlap_ = 0.0;

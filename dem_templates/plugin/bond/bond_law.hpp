@@ -1,0 +1,181 @@
+// The parallel bond between two spheres: forces, moments and when it breaks. Plain numbers: no LIGGGHTS.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "dem_templates/plugin/wall/vectors.hpp"
+
+namespace granary::dem {
+
+enum class BreakMode { tension, shear, bending, torsion };
+
+/// What all bonds are made of.
+struct BondMaterial {
+  double normal_stiffness = 0.0;  ///< k_n [N/m^3]
+  double shear_stiffness = 0.0;   ///< k_s [N/m^3]
+  double tensile_strength = 0.0;  ///< [Pa]
+  double shear_strength = 0.0;    ///< [Pa]
+  double damping = 0.0;           ///< share of the critical damping of each mode [-]
+  bool combined = false;          ///< one elliptical test of both stresses instead of two
+};
+
+/// One bond and what it remembers. Its state is that of the last step, in the laboratory's frame.
+struct Bond {
+  double partner = 0.0;   ///< tag of the end with the larger tag; the other end keeps the bond
+  double radius = 0.0;    ///< R [m]
+  double length = 0.0;    ///< distance of the centres at which it does not pull [m]
+  double strength = 1.0;  ///< of this bond over the material's [-]
+  Vector3 normal{};       ///< unit vector to the partner
+  Vector3 shear{};        ///< elastic force on this end, across the normal [N]
+  Vector3 bend{};         ///< elastic moment on this end, across the normal [N m]
+  double twist = 0.0;     ///< elastic moment on this end, along the normal [N m]
+};
+
+/// What follows from radius and masses: set when the bond is looked up, the same in every step.
+struct BondSection {
+  double normal = 0.0, shear = 0.0;  ///< k_n A, k_s A [N/m]
+  double bend = 0.0, twist = 0.0;    ///< k_n I, k_s J [N m]
+  double normal_damping = 0.0, shear_damping = 0.0, bend_damping = 0.0, twist_damping = 0.0;
+  double per_area = 0.0;     ///< 1/A [1/m^2]
+  double bend_stress = 0.0;  ///< R/I; R/J is half of it [1/m^3]
+  double share = 0.5;        ///< of the distance that lies between this end and the section [-]
+};
+
+struct BondEnd {
+  double radius = 0.0, mass = 0.0;
+};
+
+/// A = pi R^2, I = pi R^4 / 4, J = 2 I; a dashpot of a mode is 2 damping sqrt(K m*) with m* (or the moment of inertia)
+/// of the two ends in series. The section stands where the two spheres would touch.
+inline BondSection bond_section(const BondMaterial& material, double radius, const BondEnd& a, const BondEnd& b) {
+  const double area = M_PI * radius * radius, second_moment = 0.25 * area * radius * radius;
+  BondSection s{.normal = material.normal_stiffness * area,
+                .shear = material.shear_stiffness * area,
+                .bend = material.normal_stiffness * second_moment,
+                .twist = 2.0 * material.shear_stiffness * second_moment,
+                .per_area = 1.0 / area,
+                .bend_stress = radius / second_moment,
+                .share = a.radius / (a.radius + b.radius)};
+  const double mass = a.mass * b.mass / (a.mass + b.mass);
+  const double inertia_a = 0.4 * a.mass * a.radius * a.radius, inertia_b = 0.4 * b.mass * b.radius * b.radius;
+  const double inertia = inertia_a * inertia_b / (inertia_a + inertia_b);
+  s.normal_damping = 2.0 * material.damping * std::sqrt(s.normal * mass);
+  s.shear_damping = 2.0 * material.damping * std::sqrt(s.shear * mass);
+  s.bend_damping = 2.0 * material.damping * std::sqrt(s.bend * inertia);
+  s.twist_damping = 2.0 * material.damping * std::sqrt(s.twist * inertia);
+  return s;
+}
+
+/// How the two ends stand and move: the end that keeps the bond first.
+struct BondMotion {
+  Vector3 between{};           ///< from this end's centre to the other's [m]
+  Vector3 velocity{};          ///< of the other end, less that of this one [m/s]
+  Vector3 spin{}, far_spin{};  ///< of this end and the other [rad/s]
+};
+
+struct BondLoad {
+  Vector3 force{};               ///< on this end; the other bears the opposite [N]
+  Vector3 torque{}, far_torque;  ///< on this end and the other, about their centres [N m]
+  double tension = 0.0;          ///< elastic force along the normal, negative when pressed [N]
+};
+
+/// Turns v with the rotation that takes unit vector `from` to `to` by the shortest way; axis = from x to. Lengths stay.
+inline Vector3 turned(const Vector3& v, const Vector3& axis, double per_one_and_cosine) {
+  const Vector3 once = cross(axis, v);
+  return v + once + per_one_and_cosine * cross(axis, once);
+}
+
+/// Advances the bond by a step and gives its load.
+///
+///   F_n = k_n A (L - L_0)                       total: nothing adds up over the steps
+///   F_s <- turn(F_s) + k_s A du_s               du_s = L (b - w dt) x n: of the section's far side over the near one
+///   M_b <- turn(M_b) + k_n I dth_b              dth  = (w_j - w_i) dt; M_t += k_s J dth_n
+///
+/// b is the rotation of the line of centres in the step, from the places themselves, w the spin of the section (that of
+/// the ends, each with its share). `turn` is that rotation, and then by w_n dt about the normal: a pair that moves as
+/// one rigid body feels nothing. Moments of the shear force about the centres are such that angular momentum is kept.
+/// frozen: the state is used, not advanced (setup).
+/// Source: D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, eqs. (8)-(16).
+inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time_step, bool frozen, double damping,
+                          Bond& bond) {
+  const double length = std::sqrt(dot(m.between, m.between));
+  const Vector3 n = (1.0 / length) * m.between;
+  const Vector3 spin = s.share * m.spin + (1.0 - s.share) * m.far_spin, bending = m.far_spin - m.spin;
+  const double twisting = dot(bending, n);
+
+  if (!frozen) {
+    const Vector3 axis = cross(bond.normal, n);
+    const double sine2 = dot(axis, axis), to_turn = 1.0 / (1.0 + dot(bond.normal, n));
+    const double t = 0.5 * time_step * dot(spin, n), t2 = t * t, scale = 1.0 / (1.0 + t2);
+    const auto turn = [&](const Vector3& v) {
+      const Vector3 with_normal = turned(v, axis, to_turn);
+      return scale * ((1.0 - t2) * with_normal + 2.0 * t * cross(n, with_normal));
+    };
+    // In the middle of the step, where both rotations are known best; (1 + s^2/6) makes the sine an angle.
+    const Vector3 middle = bond.normal + n;
+    const Vector3 slip = cross((1.0 + sine2 / 6.0) * axis - time_step * spin, middle);
+    const double to_unit = std::sqrt(0.5 * to_turn);
+    Vector3 shear = turn(bond.shear) + (s.shear * length * to_unit) * slip;
+    Vector3 bend = turn(bond.bend) + (s.bend * time_step) * bending;
+    bond.shear = shear - dot(shear, n) * n;
+    bond.bend = bend - dot(bend, n) * n;
+    bond.twist += s.twist * time_step * twisting;
+    bond.normal = n;
+  }
+
+  BondLoad load;
+  load.tension = s.normal * (length - bond.length);
+  Vector3 across = bond.shear, moment = bond.bend + bond.twist * n;
+  double along = load.tension;
+  if (damping > 0.0) {
+    const double apart = dot(m.velocity, n);
+    along += s.normal_damping * apart;
+    across = across + s.shear_damping * (m.velocity - apart * n - length * cross(spin, n));
+    moment = moment + s.bend_damping * (bending - twisting * n) + (s.twist_damping * twisting) * n;
+  }
+  const Vector3 lever = length * cross(n, across);
+  load.force = along * n + across;
+  load.torque = s.share * lever + moment;
+  load.far_torque = (1.0 - s.share) * lever - moment;
+  return load;
+}
+
+struct BondBreak {
+  bool broken = false;
+  BreakMode mode = BreakMode::tension;
+  double stress = 0.0;  ///< the one that did it [Pa]
+};
+
+/// sigma = F_n/A + |M_b| R/I,   tau = |F_s|/A + |M_t| R/J; broken when either reaches its strength, or, combined,
+///   (max(sigma, 0)/sigma_c)^2 + (tau/tau_c)^2 >= 1.
+/// Only elastic loads count, and pressure breaks nothing. The mode is the largest share of the stress that broke it (of
+/// all four over their strengths if combined).
+inline BondBreak bond_break(const BondMaterial& material, const BondSection& s, double tension, const Bond& bond) {
+  const double pull = tension * s.per_area, bend = std::sqrt(dot(bond.bend, bond.bend)) * s.bend_stress;
+  const double shear = std::sqrt(dot(bond.shear, bond.shear)) * s.per_area;
+  const double twist = std::abs(bond.twist) * 0.5 * s.bend_stress;
+  const double tensile_strength = bond.strength * material.tensile_strength;
+  const double shear_strength = bond.strength * material.shear_strength;
+  const double by_tension = std::max(0.0, pull + bend) / tensile_strength, by_shear = (shear + twist) / shear_strength;
+  BondBreak found;
+  found.broken =
+      material.combined ? by_tension * by_tension + by_shear * by_shear >= 1.0 : by_tension >= 1.0 || by_shear >= 1.0;
+  if (!found.broken) return found;
+  const BreakMode tensile = pull >= bend ? BreakMode::tension : BreakMode::bending;
+  const BreakMode sliding = shear >= twist ? BreakMode::shear : BreakMode::torsion;
+  const bool tears = material.combined
+                         ? std::max(pull, bend) / tensile_strength >= std::max(shear, twist) / shear_strength
+                         : by_tension >= by_shear;
+  found.mode = tears ? tensile : sliding;
+  found.stress = tears ? pull + bend : shear + twist;
+  return found;
+}
+
+/// Elastic energy [J].
+inline double bond_energy(const BondSection& s, double tension, const Bond& bond) {
+  return 0.5 * (tension * tension / s.normal + dot(bond.shear, bond.shear) / s.shear +
+                dot(bond.bend, bond.bend) / s.bend + bond.twist * bond.twist / s.twist);
+}
+
+}  // namespace granary::dem
