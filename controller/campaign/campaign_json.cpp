@@ -126,6 +126,7 @@ Result<Campaign> understand_case(const Campaign& sweep, const SweepCase& one, js
   campaign.file = sweep.file;
   campaign.folder = sweep.folder;
   campaign.resources = sweep.resources;
+  campaign.cost_model = sweep.cost_model;
   campaign.name = sweep.name;
   campaign.document = sweep.document;
   for (std::size_t k = 0; k < one.values.size(); ++k)

@@ -7,6 +7,7 @@
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
 #include "controller/commands/past.hpp"
+#include "controller/commands/run_sweep.hpp"
 #include "controller/commands/slurm_queue.hpp"
 #include "controller/commands/status.hpp"
 #include "controller/report/report.hpp"
@@ -112,6 +113,11 @@ Result<Exit> explain(const fs::path& dir, const std::string& task) {
 }
 
 Result<Exit> report(const fs::path& dir) {
+  const fs::path written = dir / "campaign.json";
+  if (fs::exists(written)) {
+    GRANARY_TRY(const json::Value document, json::read_file(written));
+    if (document["understood"].text_or("kind", "") == "sweep") return report_sweep(dir);
+  }
   GRANARY_CHECK(report::write_report(dir / "results.h5", dir / "report.html"));
   fmt::print("{}\n", (dir / "report.html").string());
   return Exit::ok;

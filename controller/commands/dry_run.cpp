@@ -2,6 +2,8 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
+#include <functional>
+#include <map>
 
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
@@ -10,6 +12,7 @@
 #include "controller/run/progress.hpp"
 #include "controller/run/simulated_handover.hpp"
 #include "controller/run/summary.hpp"
+#include "controller/sweep/cases.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
 #include "pilot/loop/virtual_loop.hpp"
 #include "pilot/task_list.hpp"
@@ -68,20 +71,32 @@ Result<Exit> dry_run_coupled(const Campaign& campaign, const pilot::Machine& mac
   return campaign_run.exit();
 }
 
-Result<Exit> dry_run_tasks(const Campaign& campaign, const pilot::Machine& machine, const RunOptions& options) {
+using Seconds = std::function<double(const pilot::TaskSpec&)>;
+
+Result<Exit> dry_run_tasks(const std::vector<pilot::TaskSpec>& tasks, const pilot::Machine& machine,
+                           const RunOptions& options, const Seconds& seconds) {
   pilot::VirtualLoop loop;
-  // Nobody knows how long a stranger's program takes: its timeout if it has one, else a second.
-  pilot::SimulatedLauncher launcher(loop, [](const pilot::TaskSpec& spec) {
+  pilot::SimulatedLauncher launcher(loop, [&](const pilot::TaskSpec& spec) {
     pilot::SimulatedRun run;
-    run.seconds = spec.timeout > 0.0 ? 0.5 * spec.timeout : 1.0;
+    run.seconds = seconds(spec);
     return run;
   });
   pilot::Journal journal = pilot::Journal::in_memory([&] { return loop.wall_time(); });
   GRANARY_TRY(const auto pilot,
               pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
-  GRANARY_TRY(const auto summary, pilot::run_task_list(campaign.tasks, *pilot, loop));
+  GRANARY_TRY(const auto summary, pilot::run_task_list(tasks, *pilot, loop));
   print(*pilot, summary.exit == Exit::ok ? "finished" : "failed", options.json);
   return summary.exit;
+}
+
+/// What the cost model says of each case.
+Seconds sweep_seconds(const Campaign& campaign) {
+  std::map<std::string, double> seconds;
+  for (const campaign::SweepCase& one : campaign.sweep.cases)
+    seconds[sweep::task_name(one)] = campaign.sweep.solver == campaign::Sweep::Solver::dem
+                                         ? run::dem_seconds(*one.understood, one.understood->duration)
+                                         : run::pbm_seconds(*one.understood, one.understood->duration);
+  return [seconds](const pilot::TaskSpec& spec) { return seconds.at(spec.name); };
 }
 
 }  // namespace
@@ -89,8 +104,12 @@ Result<Exit> dry_run_tasks(const Campaign& campaign, const pilot::Machine& machi
 Result<Exit> dry_run(const RunOptions& options) {
   GRANARY_TRY(const Campaign campaign, campaign::read_campaign(options.workflow, options.overrides));
   GRANARY_TRY(const pilot::Machine machine, machine_of(campaign, options));
-  return campaign.kind == campaign::Kind::tasks ? dry_run_tasks(campaign, machine, options)
-                                                : dry_run_coupled(campaign, machine, options);
+  if (campaign.kind == campaign::Kind::coupled) return dry_run_coupled(campaign, machine, options);
+  if (campaign.kind == campaign::Kind::sweep)
+    return dry_run_tasks(sweep::tasks_of(campaign, ""), machine, options, sweep_seconds(campaign));
+  // Nobody knows how long a stranger's program takes: its timeout if it has one, else a second.
+  return dry_run_tasks(campaign.tasks, machine, options,
+                       [](const pilot::TaskSpec& spec) { return spec.timeout > 0.0 ? 0.5 * spec.timeout : 1.0; });
 }
 
 }  // namespace granary::commands

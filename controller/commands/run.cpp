@@ -8,6 +8,7 @@
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
+#include "controller/commands/run_sweep.hpp"
 #include "controller/commands/session.hpp"
 #include "controller/report/report.hpp"
 #include "controller/run/collect.hpp"
@@ -29,9 +30,12 @@ double first_wall_time(const pilot::Journal& journal, double otherwise) {
 
 /// Every program the campaign will need, before anything is started: all that are missing at once.
 Status check_programs(const Campaign& campaign) {
-  const bool dem = campaign.coupling.mode != campaign::CouplingSettings::Mode::pbm_only;
-  std::vector<std::string> wanted{(program_folder() / "granary-pbm").string(),
-                                  (program_folder() / "granary-monitor").string()};
+  const bool sweep = campaign.kind == campaign::Kind::sweep;
+  const bool dem = sweep ? campaign.sweep.solver == campaign::Sweep::Solver::dem
+                         : campaign.coupling.mode != campaign::CouplingSettings::Mode::pbm_only;
+  std::vector<std::string> wanted;
+  if (!sweep || !dem) wanted.push_back((program_folder() / "granary-pbm").string());
+  if (!sweep) wanted.push_back((program_folder() / "granary-monitor").string());
   if (dem) wanted.push_back((program_folder() / "granary-dem").string());
   if (dem || campaign.pbm.ranks > 1) wanted.emplace_back("mpirun");
   if (campaign.outputs.report) wanted.emplace_back("gnuplot");
@@ -124,8 +128,10 @@ Result<Exit> run_tasks(Session& session, bool json) {
 }
 
 Result<Exit> run_session(Session& session, bool json, bool quiet) {
-  const auto exit =
-      session.campaign.kind == campaign::Kind::tasks ? run_tasks(session, json) : run_coupled(session, json, quiet);
+  using campaign::Kind;
+  const auto exit = session.campaign.kind == Kind::tasks   ? run_tasks(session, json)
+                    : session.campaign.kind == Kind::sweep ? run_sweep(session, json, quiet)
+                                                           : run_coupled(session, json, quiet);
   if (exit && *exit == Exit::stopped) session.submit_next_job();
   return exit;
 }
@@ -150,7 +156,7 @@ Result<Exit> run(const RunOptions& options) {
     return Error{
         fmt::format("{}: a campaign is there already. Go on with it: granary resume {}; or choose another --dir.",
                     dir.string(), dir.string())};
-  if (campaign.kind == campaign::Kind::coupled) GRANARY_CHECK(check_programs(campaign));
+  if (campaign.kind != campaign::Kind::tasks) GRANARY_CHECK(check_programs(campaign));
   GRANARY_CHECK(make_folders(dir));
   if (!options.quiet) fmt::print(stderr, "{} -> {}\n", options.workflow.string(), dir.string());
   // Before the journal: a resume must find the workflow as it was understood.

@@ -11,28 +11,45 @@ namespace {
 /// How many cores' worth n ranks or threads do together.
 double effective_cores(int n, double loss) { return n * std::pow(1.0 - loss, std::log2(static_cast<double>(n))); }
 
+/// Wall seconds of a second of DEM time.
+double dem_rate(const campaign::Campaign& campaign, double particles) {
+  const auto& cost = campaign.cost_model;
+  const double step = cost.dem_per_step + particles * cost.dem_per_particle_step /
+                                              effective_cores(campaign.dem_case.ranks, cost.parallel_loss);
+  return step / campaign.dem_case.time_step;
+}
+
+/// Wall seconds of a second of process time.
+double pbm_rate(const campaign::Campaign& campaign) {
+  const auto& cost = campaign.cost_model;
+  const double classes = campaign.pbm_case.grid.bins[0] * campaign.pbm_case.grid.bins[1];
+  const double pairs = 0.5 * classes * (classes + 1.0) * campaign.pbm_case.compartments.count;
+  const int cores = campaign.pbm.ranks * campaign.pbm.threads;
+  return cost.pbm_rates_per_second * pairs * cost.pbm_per_pair / effective_cores(cores, cost.parallel_loss);
+}
+
 }  // namespace
+
+double dem_seconds(const campaign::Campaign& campaign, double duration) {
+  double particles = 0.0;
+  for (const dem::Population& held : campaign.dem_case.population)
+    for (const long n : held.count) particles += static_cast<double>(n);
+  return campaign.cost_model.dem_start + (duration + campaign.dem_case.settle_time) * dem_rate(campaign, particles);
+}
+
+double pbm_seconds(const campaign::Campaign& campaign, double duration) {
+  return campaign.cost_model.pbm_start + duration * pbm_rate(campaign);
+}
 
 Result<BurstTasks> SimulatedHandover::prepare(const coupling::StartBurst& start) {
   const auto& cost = campaign_->cost_model;
   const bool dem = start.burst.kind == Kind::dem;
   Plan plan;
   plan.start = start;
-  if (dem) {
-    const double step = cost.dem_per_step + static_cast<double>(campaign_->dem.particles) * cost.dem_per_particle_step /
-                                                effective_cores(campaign_->dem_case.ranks, cost.parallel_loss);
-    plan.seconds_per_second = step / campaign_->dem_case.time_step;
-    plan.start_up = cost.dem_start + campaign_->dem_case.settle_time * plan.seconds_per_second;
-    plan.says_after = std::max(campaign_->coupling.grace, cost.dem_drift_after);
-  } else {
-    const double classes = campaign_->pbm_case.grid.bins[0] * campaign_->pbm_case.grid.bins[1];
-    const double pairs = 0.5 * classes * (classes + 1.0) * campaign_->pbm_case.compartments.count;
-    const int cores = campaign_->pbm.ranks * campaign_->pbm.threads;
-    plan.seconds_per_second =
-        cost.pbm_rates_per_second * pairs * cost.pbm_per_pair / effective_cores(cores, cost.parallel_loss);
-    plan.start_up = cost.pbm_start;
-    plan.says_after = cost.pbm_drift_after;
-  }
+  plan.seconds_per_second =
+      dem ? dem_rate(*campaign_, static_cast<double>(campaign_->dem.particles)) : pbm_rate(*campaign_);
+  plan.start_up = dem ? cost.dem_start + campaign_->dem_case.settle_time * plan.seconds_per_second : cost.pbm_start;
+  plan.says_after = dem ? std::max(campaign_->coupling.grace, cost.dem_drift_after) : cost.pbm_drift_after;
   // Once nothing moves any more the monitor has nothing to report before the burst's own end.
   const bool moves = start.watch_drift && !settled(start.burst) && plan.says_after < start.longest;
   plan.says = moves                  ? monitor::Outcome::drifted

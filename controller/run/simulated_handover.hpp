@@ -46,4 +46,8 @@ class SimulatedHandover final : public Handover {
   std::map<std::string, Plan> plans_;  ///< by task name, program and monitor
 };
 
+/// What the cost model says of one DEM, or one PBM, of so much of its clock [s].
+double dem_seconds(const campaign::Campaign& campaign, double duration);
+double pbm_seconds(const campaign::Campaign& campaign, double duration);
+
 }  // namespace granary::run
