@@ -32,6 +32,14 @@ struct Outcome {
   std::vector<double> model;     ///< values of all targets, SI
 };
 
+/// The best trial so far.
+struct Fitted {
+  std::vector<double> values;  ///< physical
+  int version;                 ///< of the problem
+  long trial;
+  double cost;  ///< half the sum of squares
+};
+
 /// What is known so far. Everything in physical units, shape (parameters), unless said otherwise.
 struct Estimate {
   int version = 0;                ///< of the problem
@@ -74,12 +82,13 @@ class Estimator {
   Phase phase() const;
   /// Physical values of a trial's point.
   std::vector<double> values_of(const Trial& trial) const;
-  std::size_t waiting() const;  ///< asked for and not yet told of, of this version
-  long asked() const;           ///< of all versions
-  long evaluated() const;       ///< told, of all versions, with a result
-  long evaluated_now() const;   ///< of this version
-  long failed() const;          ///< told without a result
-  long late() const;            ///< told after a change()
+  std::size_t waiting() const;         ///< asked for and not yet told of, of this version
+  long asked() const;                  ///< of all versions
+  long evaluated() const;              ///< told, of all versions, with a result
+  long evaluated_now() const;          ///< of this version
+  long failed() const;                 ///< told without a result
+  long late() const;                   ///< told after a change()
+  std::optional<Fitted> best() const;  ///< cheap
   Estimate estimate() const;
 
  private:

@@ -14,11 +14,13 @@ constexpr int kMostDescents = 6;
 
 class Hybrid final : public Search {
  public:
-  Hybrid(const Point& start, std::uint64_t seed)
+  Hybrid(const Point& start, std::uint64_t seed, bool near)
       : n_(start.size()),
         dice_(seed),
         patience_(30 + 10 * static_cast<long>(start.size())),
-        global_(make_cma_es(start, seed)) {}
+        global_(make_cma_es(start, seed)) {
+    if (near) local_ = make_least_squares(start, seed, 0.03);
+  }
 
   std::string name() const override { return name_of(Method::hybrid); }
   bool converged() const override { return converged_; }
@@ -94,8 +96,8 @@ class Hybrid final : public Search {
 
 }  // namespace
 
-std::unique_ptr<Search> make_hybrid(const Point& start, std::uint64_t seed) {
-  return std::make_unique<Hybrid>(start, seed);
+std::unique_ptr<Search> make_hybrid(const Point& start, std::uint64_t seed, bool near) {
+  return std::make_unique<Hybrid>(start, seed, near);
 }
 
 }  // namespace granary::estimation

@@ -14,7 +14,7 @@ std::unique_ptr<Search> make_differential_evolution(const Point& start, std::uin
 std::unique_ptr<Search> make_ensemble_kalman(const Point& start, std::uint64_t seed);
 /// step: of the first differences, in the unit cube.
 std::unique_ptr<Search> make_least_squares(const Point& start, std::uint64_t seed, double step = 0.05);
-std::unique_ptr<Search> make_hybrid(const Point& start, std::uint64_t seed);
+std::unique_ptr<Search> make_hybrid(const Point& start, std::uint64_t seed, bool near);
 
 /// Our own normal and uniform numbers: those of <random> differ from library to library, and a seed must mean the same
 /// trials everywhere.

@@ -53,7 +53,7 @@ std::string name_of(Method method) {
 }
 
 std::unique_ptr<Search> make_search(Method method, int dimensions, std::uint64_t seed,
-                                    const std::optional<Point>& start) {
+                                    const std::optional<Point>& start, bool near) {
   GRANARY_ASSERT(dimensions > 0);
   const Point from = start.value_or(Point(static_cast<std::size_t>(dimensions), 0.5));
   switch (method) {
@@ -66,7 +66,7 @@ std::unique_ptr<Search> make_search(Method method, int dimensions, std::uint64_t
     case Method::least_squares:
       return make_least_squares(from, seed);
     case Method::hybrid:
-      return make_hybrid(from, seed);
+      return make_hybrid(from, seed, near);
   }
   return nullptr;
 }

@@ -67,7 +67,8 @@ inline constexpr Method kMethods[] = {Method::hybrid, Method::cma_es, Method::di
 std::string name_of(Method method);
 
 /// A search over `dimensions` parameters. `start`: where to begin (the workflow's own values); the middle if absent.
+/// `near`: the start is thought to be close to the best, so `hybrid` descends from there before it looks elsewhere.
 std::unique_ptr<Search> make_search(Method method, int dimensions, std::uint64_t seed,
-                                    const std::optional<Point>& start = std::nullopt);
+                                    const std::optional<Point>& start = std::nullopt, bool near = false);
 
 }  // namespace granary::estimation

@@ -49,9 +49,10 @@ struct Sample {
 }  // namespace
 
 struct Posterior::State {
-  explicit State(std::uint64_t seed) : dice(seed) {}
+  State(std::uint64_t seed, double by) : dice(seed), misfit(by) {}
 
   Dice dice;
+  double misfit;
   std::vector<Proposal> proposals;
   std::vector<Sample> samples;
   std::vector<double> weights;
@@ -69,7 +70,7 @@ struct Posterior::State {
     for (const Sample& s : samples) {
       double density = 0.0;
       for (const Proposal& p : proposals) density += p.drawn / drawn * p.density(s.at);
-      weights.push_back(density > 0.0 ? std::exp(least - s.cost) / density : 0.0);
+      weights.push_back(density > 0.0 ? std::exp((least - s.cost) / misfit) / density : 0.0);
     }
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     for (double& w : weights) w /= sum;
@@ -92,8 +93,9 @@ struct Posterior::State {
   }
 };
 
-Posterior::Posterior(const Point& centre, const std::vector<std::vector<double>>& covariance, std::uint64_t seed)
-    : state_(std::make_unique<State>(seed)) {
+Posterior::Posterior(const Point& centre, const std::vector<std::vector<double>>& covariance, std::uint64_t seed,
+                     double misfit)
+    : state_(std::make_unique<State>(seed, misfit)) {
   const auto n = static_cast<Index>(centre.size());
   MatrixXd matrix(n, n);
   for (Index i = 0; i < n; ++i)

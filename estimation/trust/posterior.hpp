@@ -15,8 +15,10 @@ namespace granary::estimation {
 class Posterior {
  public:
   /// Begins with a t distribution of 5 degrees of freedom about the best fit, as wide as its covariance (trust/
-  /// uncertainty) says, and becomes as wide as what it finds.
-  Posterior(const Point& centre, const std::vector<std::vector<double>>& covariance, std::uint64_t seed);
+  /// uncertainty) says, and becomes as wide as what it finds. `misfit` >= 1: chi^2 per datum; the likelihood is raised
+  /// to the power 1 / misfit, as if the errors were larger than stated by its root.
+  Posterior(const Point& centre, const std::vector<std::vector<double>>& covariance, std::uint64_t seed,
+            double misfit = 1.0);
   Posterior(Posterior&&) noexcept;
   Posterior& operator=(Posterior&&) noexcept;
   ~Posterior();
