@@ -9,6 +9,7 @@
 #include "common/math/size_distribution.hpp"
 #include "controller/campaign/pointer.hpp"
 #include "controller/campaign/powder.hpp"
+#include "controller/campaign/sections.hpp"
 #include "dem_templates/geometry/machine.hpp"
 #include "dem_templates/render/automatic.hpp"
 #include "dem_templates/render/time_step.hpp"
@@ -96,13 +97,6 @@ void check_machine(const Campaign& campaign, Checker& checker) {
       checker.add("/machine/compartments", "a batch_bowl is one well-mixed compartment.",
                   "Set it to 1 or leave it out.");
   }
-}
-
-/// A file's name as the workflow has it.
-std::string without_folder(std::string message, const std::filesystem::path& folder) {
-  const std::string prefix = folder.string() + "/";
-  if (message.starts_with(prefix)) message.erase(0, prefix.size());
-  return message;
 }
 
 void check_meshes(const Campaign& campaign, Checker& checker) {

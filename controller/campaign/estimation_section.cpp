@@ -33,7 +33,7 @@ struct Fittable {
 const std::vector<Fittable>& fittables() {
   static const std::vector<Fittable> all{
       {"/pbm/aggregation/rate", "/aggregation/rate", "rate", Range::not_negative()},
-      {"/pbm/aggregation/efficiency/value", "/aggregation/efficiency/value", "1", Range::fraction(), "constant wet"},
+      {"/pbm/aggregation/efficiency/value", "/aggregation/efficiency/value", "1", Range::fraction(), "constant, wet"},
       {"/pbm/aggregation/efficiency/least_liquid_fraction", "/aggregation/efficiency/least_liquid_fraction", "1",
        Range::fraction(), "wet"},
       {"/pbm/aggregation/efficiency/restitution",
@@ -104,7 +104,7 @@ std::optional<Setting> find_setting(json::Reader& reader, const std::string& at,
     return std::nullopt;
   }
   if (const std::string model = model_of(*is, document);
-      *is->where != '\0' && (" " + std::string(is->where) + " ").find(" " + model + " ") == std::string::npos) {
+      *is->where != '\0' && (", " + std::string(is->where) + ",").find(", " + model + ",") == std::string::npos) {
     reader.problem(at, fmt::format("it has no effect with the model \"{}\".", model),
                    fmt::format("It belongs to: {}.", is->where));
     return std::nullopt;
@@ -197,7 +197,7 @@ std::optional<pbm::DemRates> read_rates(json::Reader& reader, const Campaign& ca
   const auto balance = document ? pbm::read_case(*document, name) : Result<pbm::PbmCase>(document.error());
   const std::string hint = "It must be the case.json of a PBM burst of an earlier campaign.";
   if (!balance)
-    reader.problem("rates", balance.error().message, hint);
+    reader.problem("rates", without_folder(balance.error().message, campaign.folder), hint);
   else if (!balance->dem)
     reader.problem("rates", "this case has no rates of a DEM.", hint);
   else if (balance->compartments.count != campaign.pbm_case.compartments.count)
@@ -234,10 +234,11 @@ std::optional<pbm::PbmCase> read_set(json::Reader& reader, const json::Value& se
       problems.add(
           {campaign.file.string(), key, "", "the workflow has no such place in a list.", "Set the whole list."});
   }
-  const auto understood = problems.empty() ? reread_campaign(std::move(document), campaign.file, campaign.folder)
-                                           : Result<Campaign>(problems.error());
-  if (understood) return understood->pbm_case;
-  reader.problem("set", "with it the workflow has problems:\n" + understood.error().message);
+  const auto understood = reread_campaign(std::move(document), campaign.file, campaign.folder);
+  if (understood && problems.empty()) return understood->pbm_case;
+  const std::string others = understood ? "" : "\n" + understood.error().message;
+  const std::string unknown = problems.empty() ? "" : "\n" + problems.error().message;
+  reader.problem("set", "with it the workflow has problems:" + unknown + others);
   return std::nullopt;
 }
 
@@ -252,7 +253,9 @@ void read_experiments(json::Reader& reader, const Campaign& campaign, Estimation
     item.done();
     estimation.experiments.push_back(std::move(experiment));
   }
-  if (!reader.has("experiments")) estimation.experiments.push_back({"workflow", campaign.pbm_case, std::nullopt});
+  if (reader.has("experiments") && reader.raw("experiments")->is_array() && estimation.experiments.empty())
+    reader.problem("experiments", "there is none.", "Leave it out: then it is the workflow itself.");
+  if (estimation.experiments.empty()) estimation.experiments.push_back({"workflow", campaign.pbm_case, std::nullopt});
 }
 
 }  // namespace

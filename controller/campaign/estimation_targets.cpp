@@ -8,6 +8,7 @@
 
 #include "common/units.hpp"
 #include "controller/campaign/data_file.hpp"
+#include "controller/campaign/sections.hpp"
 
 namespace granary::campaign {
 namespace {
@@ -118,7 +119,8 @@ class TargetReader {
                       fmt::format("{}{:g} s is not within the process, which ends at {:g} s.", row, target_.time, last),
                       "See /process/duration; of a file, \"from\" and \"to\" take a part.");
     } else if (!(target_.error > 0.0)) {
-      reader_.problem(where == "at" ? "error" : where, row + "its error is not > 0.", "Give an absolute \"error\".");
+      reader_.problem(where == "at" ? "error" : where, row + "of this value it is not > 0.",
+                      "Give an absolute \"error\".");
     } else {
       estimation_.targets.push_back(target_);
       estimation_.sources.push_back(source_);
@@ -137,9 +139,10 @@ class TargetReader {
     } else {
       target_.value = unit_ == "1" ? reader_.number("value", Range::not_negative())
                                    : reader_.quantity("value", unit_, Range::positive());
+      has_value_ = reader_.has("value") && (unit_ == "1" || target_.value > 0.0);
       target_.error = error_.value_or(Deviation{1.0, false}).of(target_.value);
     }
-    if (reader_.has("at") && target_.time > 0.0) add("at", "");
+    if (reader_.has("at") && target_.time > 0.0 && (is_distribution() || has_value_)) add("at", "");
   }
 
   std::string fault_of_distribution() const {
@@ -163,7 +166,9 @@ class TargetReader {
     const std::size_t before = estimation_.targets.size();
     const Status done = h5 ? (is_distribution() ? distributions_of_h5(file) : values_of_h5(file))
                            : (is_distribution() ? distributions_of_csv(file) : values_of_csv(file));
-    if (!done) return reader_.problem("file", done.error().message, "See docs/workflow_format.md#files-of-data.");
+    if (!done)
+      return reader_.problem("file", without_folder(done.error().message, campaign_.folder),
+                             "See docs/workflow_format.md#files-of-data.");
     if (estimation_.targets.size() == before)
       reader_.problem("file", "it has no datum to fit to.", "See its times, and \"from\" and \"to\".");
   }
@@ -304,6 +309,7 @@ class TargetReader {
   Target target_;
   std::string source_;  ///< the file, or ""
   std::string unit_;
+  bool has_value_ = false;
   std::optional<Deviation> error_;
   double from_ = -1e300, to_ = 1e300, every_ = 0.0, last_taken_ = -1e300;  ///< [s]
 };

@@ -55,6 +55,12 @@ std::array<double, 2> quantity_pair_or(json::Reader& reader, const std::string& 
   });
 }
 
+std::string without_folder(std::string message, const std::filesystem::path& folder) {
+  const std::string prefix = folder.string() + "/";
+  if (message.starts_with(prefix)) message.erase(0, prefix.size());
+  return message;
+}
+
 bool is_auto(json::Reader& reader, const std::string& key) {
   const json::Value* found = reader.raw(key);
   return found == nullptr || (found->is_string() && found->as_string() == "auto");

@@ -22,6 +22,9 @@ std::array<double, 2> number_pair_or(json::Reader& reader, const std::string& ke
 std::array<double, 2> quantity_pair_or(json::Reader& reader, const std::string& key, std::array<double, 2> otherwise,
                                        const std::string& si_unit, json::Range range, json::Problems& problems);
 
+/// A message with its file's name as the workflow has it: relative to the workflow's folder.
+std::string without_folder(std::string message, const std::filesystem::path& folder);
+
 /// Whether a setting is left out or says "auto"; it then counts as read.
 bool is_auto(json::Reader& reader, const std::string& key);
 

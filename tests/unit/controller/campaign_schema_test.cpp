@@ -113,14 +113,14 @@ std::vector<std::string> understood(const json::Value& document) {
 /// Writes the schema's defaults into a document, in every section that is there or may be left out; `skipped` opens the
 /// titles of the settings of the other machine. Returns how many.
 int fill_defaults(const json::Value& schema, json::Value& value, const std::string& skipped) {
-  const std::set<std::string> mechanisms{"feed", "charge", "spray"};  // modelled only if they are there
+  const std::set<std::string> optional{"feed",       "charge", "spray",
+                                       "estimation", "sweep",  "agglomerates"};  // only where asked for
   int n = 0;
   if (value.is_array())
     for (json::Value& item : value.items()) n += fill_defaults(schema["items"], item, skipped);
   if (!value.is_object() || schema.find("properties") == nullptr) return n;
   for (const auto& [key, setting] : schema["properties"].members()) {
-    if (setting.text_or("title", "").rfind(skipped, 0) == 0 ||
-        (mechanisms.count(key) == 1 && value.find(key) == nullptr))
+    if (setting.text_or("title", "").rfind(skipped, 0) == 0 || (optional.count(key) == 1 && value.find(key) == nullptr))
       continue;
     if (value.find(key) == nullptr && setting.find("properties") != nullptr) value.set(key, json::Value::object());
     if (value.find(key) != nullptr) {
