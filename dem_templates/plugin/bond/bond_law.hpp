@@ -80,21 +80,30 @@ struct BondLoad {
   double tension = 0.0;          ///< elastic force along the normal, negative when pressed [N]
 };
 
-/// Turns v with the rotation that takes unit vector `from` to `to` by the shortest way; axis = from x to. Lengths stay.
-inline Vector3 turned(const Vector3& v, const Vector3& axis, double per_one_and_cosine) {
-  const Vector3 once = cross(axis, v);
-  return v + once + per_one_and_cosine * cross(axis, once);
-}
+/// A turn by a small rotation vector, lengths kept: R v = v + 2/(1 + t^2) (t x v + t x (t x v)), t = tan(|a|/2) a/|a|.
+class SmallTurn {
+ public:
+  explicit SmallTurn(const Vector3& angle)
+      : t_((0.5 + dot(angle, angle) / 24.0) * angle), scale_(2.0 / (1.0 + dot(t_, t_))) {}
+  Vector3 operator()(const Vector3& v) const {
+    const Vector3 once = cross(t_, v);
+    return v + scale_ * (once + cross(t_, once));
+  }
+
+ private:
+  Vector3 t_;
+  double scale_;
+};
 
 /// Advances the bond by a step and gives its load.
 ///
-///   F_n = k_n A (L - L_0)                       total: nothing adds up over the steps
-///   F_s <- turn(F_s) + k_s A du_s               du_s = L (b - w dt) x n: of the section's far side over the near one
-///   M_b <- turn(M_b) + k_n I dth_b              dth  = (w_j - w_i) dt; M_t += k_s J dth_n
+///   F_n = k_n A (L - L_0)                          total: nothing adds up over the steps
+///   F_s <- turn(F_s) + k_s A L (n - n')            n' = R(w dt) n_before: where the section's own spin takes the
+///   normal M_b <- turn(M_b) + k_n I (w_j - w_i)_b dt,     M_t += k_s J (w_j - w_i)_n dt
 ///
-/// b is the rotation of the line of centres in the step, from the places themselves, w the spin of the section (that of
-/// the ends, each with its share). `turn` is that rotation, and then by w_n dt about the normal: a pair that moves as
-/// one rigid body feels nothing. Moments of the shear force about the centres are such that angular momentum is kept.
+/// w is the spin of the section, that of the ends, each with its share; `turn` is R(w dt) and then the shortest turn
+/// from n' to n. So a pair that moves as one rigid body feels nothing, however it turns. The moments of the shear force
+/// about the centres are such that angular momentum is kept.
 /// frozen: the state is used, not advanced (setup).
 /// Source: D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, eqs. (8)-(16).
 inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time_step, bool frozen, double damping,
@@ -105,21 +114,15 @@ inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time
   const double twisting = dot(bending, n);
 
   if (!frozen) {
-    const Vector3 axis = cross(bond.normal, n);
-    const double sine2 = dot(axis, axis), to_turn = 1.0 / (1.0 + dot(bond.normal, n));
-    const double t = 0.5 * time_step * dot(spin, n), t2 = t * t, scale = 1.0 / (1.0 + t2);
+    const SmallTurn with_section(time_step * spin);
+    const Vector3 expected = with_section(bond.normal), both = expected + n;
+    const double cosine = dot(expected, n), per_both = 1.0 / (1.0 + cosine);
     const auto turn = [&](const Vector3& v) {
-      const Vector3 with_normal = turned(v, axis, to_turn);
-      return scale * ((1.0 - t2) * with_normal + 2.0 * t * cross(n, with_normal));
+      const Vector3 turned = with_section(v);
+      return turned - (dot(turned, n) * per_both) * both;
     };
-    // In the middle of the step, where both rotations are known best; (1 + s^2/6) makes the sine an angle.
-    const Vector3 middle = bond.normal + n;
-    const Vector3 slip = cross((1.0 + sine2 / 6.0) * axis - time_step * spin, middle);
-    const double to_unit = std::sqrt(0.5 * to_turn);
-    Vector3 shear = turn(bond.shear) + (s.shear * length * to_unit) * slip;
-    Vector3 bend = turn(bond.bend) + (s.bend * time_step) * bending;
-    bond.shear = shear - dot(shear, n) * n;
-    bond.bend = bend - dot(bend, n) * n;
+    bond.shear = turn(bond.shear) + (s.shear * length) * (cosine * n - expected);
+    bond.bend = turn(bond.bend) + (s.bend * time_step) * (bending - twisting * n);
     bond.twist += s.twist * time_step * twisting;
     bond.normal = n;
   }
