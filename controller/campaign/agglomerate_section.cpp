@@ -31,6 +31,8 @@ dem::Agglomerates read_agglomerates(json::Reader reader, json::Problems& problem
   all.count = static_cast<int>(reader.integer_or("count", all.count, Range::between(1, 1e6)));
   all.spheres = static_cast<int>(reader.integer_or("spheres", all.spheres, Range::between(1, 1e5)));
   all.sphere_diameter = reader.quantity_or("sphere_diameter", all.sphere_diameter, "m", Range::positive());
+  all.diameter = reader.quantity_or("diameter", all.diameter, "m", Range::positive());
+  if (all.diameter < all.sphere_diameter) reader.problem("diameter", "it must be at least the sphere_diameter.");
   all.sample_every = reader.quantity_or("sample_every", all.sample_every, "s", Range::positive());
   all.bonds = read_bonds(section_or_empty(reader, "bonds", problems));
   reader.done();

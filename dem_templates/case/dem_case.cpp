@@ -197,6 +197,7 @@ Agglomerates read_agglomerates(Reader in) {
   a.count = static_cast<int>(in.integer_or("count", a.count, Range::between(1, 1e6)));
   a.spheres = static_cast<int>(in.integer_or("spheres", a.spheres, Range::between(1, 1e5)));
   a.sphere_diameter = in.number_or("sphere_diameter", a.sphere_diameter, Range::positive());
+  a.diameter = in.number_or("diameter", a.diameter, Range::positive());
   a.sample_every = in.number_or("sample_every", a.sample_every, Range::positive());
   if (auto bonds = in.optional_section("bonds")) a.bonds = read_bonds(std::move(*bonds));
   in.done();
@@ -207,6 +208,7 @@ Value agglomerates_json(const Agglomerates& a) {
   return Value::object({{"count", a.count},
                         {"spheres", a.spheres},
                         {"sphere_diameter", a.sphere_diameter},
+                        {"diameter", a.diameter},
                         {"sample_every", a.sample_every},
                         {"bonds", bonds_json(a.bonds)}});
 }

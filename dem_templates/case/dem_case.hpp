@@ -86,6 +86,7 @@ struct Agglomerates {
   int count = 100;
   int spheres = 37;                 ///< of each
   double sphere_diameter = 1.2e-3;  ///< [m]
+  double diameter = 5e-3;           ///< of the ball the spheres are packed into; larger if they do not fit [m]
   double sample_every = 0.01;       ///< a line of fragments.jsonl each [s]
   Bonds bonds;
 };

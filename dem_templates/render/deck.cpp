@@ -95,30 +95,53 @@ std::string skin_trial(const DemCase& c) {
       tip_speed(c.machine));
 }
 
+// What the two kinds of fill, by sizes and by agglomerates, do not share.
+Values agglomerate_values(const DemCase& c) {
+  const Agglomerates& a = *c.agglomerates;
+  const Bonds& b = a.bonds;
+  return {{"normal_stiffness", digits(b.normal_stiffness)},
+          {"shear_stiffness", digits(b.shear_stiffness_ratio * b.normal_stiffness)},
+          {"tensile_strength", digits(b.tensile_strength)},
+          {"shear_strength", digits(b.shear_strength_ratio * b.tensile_strength)},
+          {"scatter", b.strength_scatter > 0.0 ? fmt::format(" normal {}", b.strength_scatter) : ""},
+          {"radius_scale", digits(b.radius)},
+          {"gap", digits(b.gap * 0.5 * a.sphere_diameter)},
+          {"damping", digits(b.damping)},
+          {"sample_every", number(std::max(1L, std::lround(a.sample_every / c.time_step)))},
+          {"spheres", number(a.spheres)},
+          {"sphere_diameter", digits(a.sphere_diameter)},
+          {"diameter", digits(a.diameter)},
+          {"count", number(a.count)},
+          {"density", digits(c.density)}};
+}
+
 Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all) {
   const Schedule schedule = schedule_of(c);
   std::vector<double> edges{c.population.front().from};
   for (const Population& p : c.population) edges.push_back(p.to);
-  return render(templates::run, "run.tmpl",
-                {{"space", space_commands(c.machine)},
-                 {"guard_every", number(kGuardEvery)},
-                 {"overlap", digits(c.guard.largest_overlap)},
-                 {"overlapping", digits(c.guard.overlapping_fraction)},
-                 {"energy", digits(energy_bound(c, simulation_box(all)))},
-                 {"lost", digits(c.guard.lost_fraction)},
-                 {"thermo", number(std::max(1L, (schedule.settle + schedule.steps) / kThermoLines))},
-                 {"axis", std::string(axis_name(axis_of(c.machine)))},
-                 {"resize_walls", resize_walls(c, all)},
-                 {"seed", number(c.seed)},
-                 {"settle_steps", number(schedule.settle)},
-                 {"skin_trial", skin_trial(c)},
-                 {"every", number(c.tally.every)},
-                 {"window", number(schedule.window)},
-                 {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
-                 {"classes", fmt::format("{} {}", c.tally.class_edges.size() - 1, fmt::join(c.tally.class_edges, " "))},
-                 {"coarse_graining", digits(c.coarse_graining)},
-                 {"tally_bodies", tally_bodies(c, all)},
-                 {"steps", number(schedule.steps)}});
+  Values values{{"space", space_commands(c.machine)},
+                {"guard_every", number(kGuardEvery)},
+                {"overlap", digits(c.guard.largest_overlap)},
+                {"overlapping", digits(c.guard.overlapping_fraction)},
+                {"energy", digits(energy_bound(c, simulation_box(all)))},
+                {"lost", digits(c.guard.lost_fraction)},
+                {"thermo", number(std::max(1L, (schedule.settle + schedule.steps) / kThermoLines))},
+                {"axis", std::string(axis_name(axis_of(c.machine)))},
+                {"resize_walls", resize_walls(c, all)},
+                {"seed", number(c.seed)},
+                {"settle_steps", number(schedule.settle)},
+                {"skin_trial", skin_trial(c)},
+                {"every", number(c.tally.every)},
+                {"window", number(schedule.window)},
+                {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
+                {"classes", fmt::format("{} {}", c.tally.class_edges.size() - 1, fmt::join(c.tally.class_edges, " "))},
+                {"coarse_graining", digits(c.coarse_graining)},
+                {"tally_bodies", tally_bodies(c, all)},
+                {"steps", number(schedule.steps)}};
+  if (!c.agglomerates) return render(templates::run, "run.tmpl", values);
+  const Values more = agglomerate_values(c);
+  values.insert(values.end(), more.begin(), more.end());
+  return render(templates::run_agglomerates, "run_agglomerates.tmpl", values);
 }
 
 // A restart of another machine would be read without complaint: hold its case.json against ours.

@@ -40,14 +40,27 @@ TimeStepFigures time_step_figures(const DemCase& c) {
                            : std::numeric_limits<double>::infinity();
   f.contact_share = f.time_step / f.contact_time;
   f.impact_overlap = std::pow(15.0 * mass * v * v / (16.0 * modulus * std::sqrt(r)), 0.4) / r;
+  if (c.agglomerates) {
+    const Bonds& bonds = c.agglomerates->bonds;
+    const double radius = bonds.radius * 0.5 * c.agglomerates->sphere_diameter;
+    f.bond_time = std::sqrt(mass / (bonds.normal_stiffness * kPi * radius * radius));
+    f.bond_share = f.time_step / f.bond_time;
+  }
   return f;
 }
 
 double largest_time_step(const TimeStepFigures& f) {
-  return std::min(kLargestRayleighShare * f.rayleigh_time, kLargestContactShare * f.contact_time);
+  const double contacts = std::min(kLargestRayleighShare * f.rayleigh_time, kLargestContactShare * f.contact_time);
+  return f.bond_time > 0.0 ? std::min(contacts, kLargestBondShare * f.bond_time) : contacts;
 }
 
 std::optional<std::string> time_step_problem(const TimeStepFigures& f) {
+  if (f.bond_share > kLargestBondShare)
+    return fmt::format(
+        "{:.3g} s is {:.2f} of the time of a bond, sqrt(m / (S_n A)) = {:.3g} s; at most {:.2f}. It must be at most "
+        "{:.3g} "
+        "s; softer bonds allow more.",
+        f.time_step, f.bond_share, f.bond_time, kLargestBondShare, largest_time_step(f));
   if (f.rayleigh_share <= kLargestRayleighShare && f.contact_share <= kLargestContactShare) return std::nullopt;
   return fmt::format(
       "{:.3g} s is {:.0f} % of the Rayleigh time ({:.3g} s; at most 20 %) and 1/{:.1f} of the contact time of the "

@@ -15,6 +15,8 @@ namespace granary::dem {
 ///   overlap   d   = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)                         elastic: restitution below 1 gives
 ///   less
 ///
+///   bond      T_b = sqrt(m / (S_n A))                                            A: of a bond; where there are bonds
+///
 /// T_c and d are those of a particle hit by a blade: m* = m, R* = R, and E* of particle and wall in series.
 /// Sources: docs/dem.md; checked against an integrated impact in time_step_test.cpp.
 struct TimeStepFigures {
@@ -23,11 +25,14 @@ struct TimeStepFigures {
   double impact_speed = 0.0;                         ///< measured, else the tip speed [m/s]
   double rayleigh_time = 0.0, rayleigh_share = 0.0;  ///< [s], [-]
   double contact_time = 0.0, contact_share = 0.0;    ///< [s], [-]
+  double bond_time = 0.0, bond_share = 0.0;          ///< [s], [-]; 0 without bonds
   double impact_overlap = 0.0;                       ///< over the particle's radius [-]
 };
 
 inline constexpr double kLargestRayleighShare = 0.2;
 inline constexpr double kLargestContactShare = 1.0 / 15.0;
+/// A sphere with z bonds all around is stable up to about 0.9 / sqrt(z) of T_b; granary/bond itself looks closer.
+inline constexpr double kLargestBondShare = 0.25;
 
 TimeStepFigures time_step_figures(const DemCase& dem_case);
 
