@@ -4,15 +4,14 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/json/io.hpp"
 #include "common/result.hpp"
+#include "controller/estimation/evaluation_log.hpp"
 #include "estimation/estimator/estimator.hpp"
 #include "pilot/task/spec.hpp"
 #include "pilot/task/state.hpp"
@@ -47,53 +46,45 @@ class Crew {
 
   /// Nothing more to ask, or (until_done) nothing more to know.
   bool done() const;
-  int version() const { return version_; }
-  estimation::Phase phase() const;
-  /// The best trial and all that is known of it; `trial` is -1 before there is one. Some milliseconds late in a long
-  /// estimation: the intervals are worked out anew.
+  int version() const { return begun() ? estimator_->version() : 0; }
+  /// Cheap. None before there is one of this version.
+  std::optional<estimation::Fitted> best() const;
+  /// All that is known of it. Some milliseconds late in a long estimation: the intervals are worked out anew.
   estimation::Estimate estimate() const;
-  /// Cheap: the best trial's values alone.
-  struct Best {
-    std::vector<double> values;
-    int version;
-    long trial;
-    double cost;
-  };
-  std::optional<Best> best() const;
-  /// What best.json says: estimate, phase, counts, seconds of computing.
+  const estimation::Estimator& estimator() const { return *estimator_; }
+  /// What best.json says: the estimate, {"phase", "asked", "evaluated", "failed", "late", "seconds" of computing}.
   json::Value status() const;
 
  private:
   struct Batch {
     int number = 0;
-    int version = 1;
     std::vector<estimation::Trial> trials;  ///< not yet told of
     bool submitted = false;                 ///< in this life
-    bool long_one = false;                  ///< of the posterior
   };
 
-  Status replay();
-  Status open_log();
-  Status write_problem(const estimation::Problem& problem);
-  Status write_best() const;
-  Result<Batch> make_batch();
+  Status set_problem(const estimation::Problem& problem, int version);
+  Status add_batch();
+  int trials_for_a_batch() const;
   Status write_trials(const Batch& batch) const;
   pilot::TaskSpec task_of(const Batch& batch) const;
-  Status log(const json::Value& line);
-  Status take(Batch& batch);
-  void close(int number);
-  int trials_for_a_batch() const;
-  std::filesystem::path file_of(int batch, const char* suffix) const;
+  Status take_results(Batch& batch, double time);
+  Status report_now_and_then();
+  void remove_files(int batch) const;
+  std::filesystem::path file_of(int batch, const char* suffix) const;  ///< relative to DIR
 
   CrewSettings settings_;
   std::filesystem::path folder_;  ///< DIR/estimation
   std::unique_ptr<estimation::Estimator> estimator_;
-  std::optional<json::LineWriter> log_;
+  std::optional<EvaluationLog> log_;
   std::map<std::string, Batch> open_;  ///< by the name of their task
-  int batches_ = 0;                    ///< so many were made; the next one's number
-  int version_ = 0;                    ///< of the problem; 0: not begun
+  std::map<std::string, int> stale_;   ///< tasks of an older version that may still run: their batches
+  int batches_ = 0;                    ///< so many were made
   double seconds_ = 0.0;               ///< of all evaluations
+  double each_ = 0.0;                  ///< seconds of an evaluation, lately; 0: unknown
+  bool exhausted_ = false;             ///< the estimator has no more to ask
   int fruitless_ = 0;                  ///< batches one after the other that brought nothing
+  long reported_ = -1;                 ///< evaluations when best.json was written
+  estimation::Phase reported_phase_ = estimation::Phase::search;
 };
 
 }  // namespace granary::estimating

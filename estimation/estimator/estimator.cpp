@@ -39,7 +39,7 @@ struct Estimator::State {
   struct Asked {
     Point at;
     Purpose purpose;
-    long inner;  ///< number within the search, or of the difference
+    long inner;  ///< number within the search, of the difference, or of the return to the search before the posterior
   };
   struct Known {
     Point at;
@@ -57,7 +57,8 @@ struct Estimator::State {
   }
 
   int dimensions() const { return static_cast<int>(problem.parameters.size()); }
-  long reserved() const { return 2L * dimensions(); }
+  /// Of the evaluations: for the differences, some of which may be lost.
+  long reserved() const { return 3L * dimensions(); }
 
   std::optional<Trial> next() {
     if (asked_now >= settings.most_evaluations) return std::nullopt;
@@ -79,7 +80,7 @@ struct Estimator::State {
     if (phase == Phase::uncertainty)
       if (const auto k = differences->next())
         return {differences->point(*k), Purpose::difference, static_cast<long>(*k)};
-    if (posterior) return {posterior->ask(), Purpose::posterior, 0};
+    if (posterior) return {posterior->ask(), Purpose::posterior, returns};
     const Trial trial = search->ask();
     return {trial.at, Purpose::search, trial.number};
   }
@@ -118,23 +119,22 @@ struct Estimator::State {
         if (differences && differences->is(asked.inner, asked.at)) differences->tell(asked.inner, residuals);
         break;
       case Purpose::posterior:
-        if (posterior) posterior->tell(asked.at, residuals);
+        // One that was drawn from the posterior of an earlier search would count wrongly in this one.
+        if (posterior && asked.inner == returns) posterior->tell(asked.at, residuals);
         break;
     }
   }
 
   /// What follows from what is known now.
   void settle() {
-    if (phase == Phase::search || phase == Phase::done) return;
-    if (best.cost < differences->cost() - kWorthSearching && returns < kMostReturns) return search_again();
-    if (phase == Phase::uncertainty && differences->complete()) begin_posterior();
-    if (phase == Phase::posterior && enough()) phase = Phase::done;
-  }
-
-  /// Asked now and then only: all weights are worked out anew for it.
-  bool enough() const {
     const bool last = asked_now >= settings.most_evaluations && waiting.empty();
-    return last || (posterior->samples() % 50 == 0 && posterior->converged());
+    if (phase == Phase::search && last && best.trial >= 0) take_differences();
+    if (phase == Phase::uncertainty || phase == Phase::posterior)
+      if (best.cost < differences->cost() - kWorthSearching && returns < kMostReturns && !last) return search_again();
+    if (phase == Phase::uncertainty && (differences->complete() || last)) begin_posterior();
+    // Seldom: all weights are worked out anew for it.
+    if (phase == Phase::posterior && posterior->samples() % 50 == 0 && posterior->converged()) phase = Phase::done;
+    if (last) phase = Phase::done;
   }
 
   void take_differences() {
