@@ -38,6 +38,18 @@ std::string last_words(const fs::path& file) {
   return text && !text->empty() ? *std::move(text) : fmt::format("see {}", file.string());
 }
 
+/// Whole or not at all for whoever reads it, but without waiting for the disk: all of it can be made again.
+Status write_quickly(const fs::path& file, const Value& value) {
+  fs::path beside = file;
+  beside += ".new";
+  GRANARY_TRY(json::LineWriter line, json::LineWriter::create(beside));
+  GRANARY_CHECK(line.append(value));
+  std::error_code failed;
+  fs::rename(beside, file, failed);
+  if (failed) return Error{fmt::format("{}: cannot be put in place: {}.", file.string(), failed.message())};
+  return {};
+}
+
 }  // namespace
 
 Crew::Crew(CrewSettings settings) : settings_(std::move(settings)), folder_(settings_.dir / "estimation") {}
@@ -92,7 +104,7 @@ Result<std::vector<pilot::TaskSpec>> Crew::next() {
   while (open_.size() < wanted && !exhausted_) GRANARY_CHECK(add_batch());
   for (auto& [name, batch] : open_) {
     if (batch.submitted) continue;
-    if (!fs::exists(settings_.dir / file_of(batch.number, "trials.json"))) GRANARY_CHECK(write_trials(batch));
+    GRANARY_CHECK(write_trials(batch));
     batch.submitted = true;
     tasks.push_back(task_of(batch));
   }
@@ -104,9 +116,8 @@ Status Crew::add_batch() {
   exhausted_ = trials.empty();
   if (exhausted_) return {};
   const int number = ++batches_;
-  Batch& batch = open_[task_name(number)] = {number, std::move(trials), false};
-  GRANARY_CHECK(write_trials(batch));
-  GRANARY_CHECK(log_->batch(number, batch.trials));
+  GRANARY_CHECK(log_->batch(number, trials));
+  open_[task_name(number)] = {number, std::move(trials), false};
   return {};
 }
 
@@ -123,8 +134,8 @@ Status Crew::write_trials(const Batch& batch) const {
   for (const Trial& t : batch.trials)
     trials.push(Value::object({{"number", std::int64_t{t.number}}, {"values", estimator_->values_of(t)}}));
   const double patience = each_ > 0.0 ? std::max(kLeastPatience, kPatience * each_) : kFirstPatience;
-  return json::write_file(settings_.dir / file_of(batch.number, "trials.json"),
-                          Value::object({{"problem", version()}, {"seconds_at_most", patience}, {"trials", trials}}));
+  return write_quickly(settings_.dir / file_of(batch.number, "trials.json"),
+                       Value::object({{"problem", version()}, {"seconds_at_most", patience}, {"trials", trials}}));
 }
 
 pilot::TaskSpec Crew::task_of(const Batch& batch) const {
@@ -206,7 +217,7 @@ Status Crew::report_now_and_then() {
   if (often_enough && estimator_->phase() == reported_phase_ && !done()) return {};
   reported_ = evaluated;
   reported_phase_ = estimator_->phase();
-  return json::write_file(folder_ / "best.json", status());
+  return write_quickly(folder_ / "best.json", status());
 }
 
 Value Crew::status() const {
