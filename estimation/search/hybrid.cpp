@@ -31,14 +31,14 @@ class Hybrid final : public Search {
     if (!local_ && (global_->converged() || known_ - halved_at_ > patience_)) go_local();
     Search& search = local_ ? *local_ : *global_;
     const Trial trial = search.ask();
-    asked_of_.push_back({trial.at, trial.number, &search});
+    asked_of_.push_back({trial.at, trial.number, searches_});
     return trial.at;
   }
 
   void learn(const Point& at, const std::optional<Residuals>& residuals) override {
     const auto it = std::find_if(asked_of_.begin(), asked_of_.end(), [&](const Asked& a) { return a.at == at; });
     Search* const search = local_ ? local_.get() : global_.get();
-    const bool its_own = it != asked_of_.end() && it->search == search;
+    const bool its_own = it != asked_of_.end() && it->search == searches_;
     if (residuals) {
       ++known_;
       points_.push_back({at, *residuals});
@@ -57,6 +57,7 @@ class Hybrid final : public Search {
   void go_local() {
     halved_at_ = known_;
     if (!best_) return;
+    ++searches_;
     local_ = make_least_squares(best_->at, dice_.seed(), 0.03);
     // Least squares takes the best it hears of as its centre: of this descent, not of all.
     for (const Known& k : points_)
@@ -69,6 +70,7 @@ class Hybrid final : public Search {
     const auto as_good =
         std::count_if(ends_.begin(), ends_.end(), [&](double cost) { return cost <= least + 0.1 + 1e-3 * least; });
     converged_ = as_good >= 2 || static_cast<int>(ends_.size()) >= kMostDescents;
+    ++searches_;
     local_.reset();
     best_.reset();
     global_ = make_cma_es(dice_.anywhere(n_), dice_.seed());
@@ -79,11 +81,12 @@ class Hybrid final : public Search {
   struct Asked {
     Point at;
     long number;
-    const Search* search;
+    int search;  ///< searches_ when it was asked; an address may be used again
   };
 
   std::size_t n_;
   Dice dice_;
+  int searches_ = 0;  ///< begun before this one
   long patience_, known_ = 0, halved_at_ = 0;
   double halved_ = 1e300;
   std::unique_ptr<Search> global_, local_;
