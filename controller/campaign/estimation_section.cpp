@@ -64,7 +64,10 @@ std::string fittable_keys() {
 std::string unit_in(const Fittable& setting, const pbm::PbmCase& balance) {
   if (std::string_view(setting.unit) != "rate") return setting.unit;
   if (std::string_view(setting.key).find("aggregation") == std::string_view::npos)
-    return balance.breakage && balance.breakage->selection == pbm::Breakage::Selection::impact ? "1" : "1/s";
+    return balance.breakage && (balance.breakage->selection == pbm::Breakage::Selection::impact ||
+                                balance.breakage->selection == pbm::Breakage::Selection::table)
+               ? "1"
+               : "1/s";
   using Kernel = pbm::Aggregation::Kernel;
   const Kernel kernel = balance.aggregation ? balance.aggregation->kernel : Kernel::dem;
   return kernel == Kernel::dem || kernel == Kernel::table ? "1" : kernel == Kernel::shear ? "1/s" : "m^3/s";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/json/io.hpp"
 #include "common/json/reader.hpp"
 #include "controller/campaign/sections.hpp"
 
@@ -85,22 +86,41 @@ pbm::Aggregation read_aggregation(json::Reader reader, json::Problems& problems)
   return aggregation;
 }
 
-pbm::Breakage read_breakage(json::Reader reader) {
+/// The kernel that `granary kernel` made of a resolved breakage.
+pbm::BreakageTable read_kernel_file(json::Reader& reader, const Campaign& campaign) {
+  const std::filesystem::path file = campaign.folder / reader.text("table");
+  const auto document = json::read_file(file);
+  const auto table =
+      document ? pbm::read_breakage_table(*document, file.string()) : Result<pbm::BreakageTable>(document.error());
+  if (table) return *table;
+  reader.problem("table", "it cannot be used: " + table.error().message, "granary kernel writes such a file.");
+  return {};
+}
+
+pbm::Breakage read_breakage(json::Reader reader, const Campaign& campaign) {
   using Selection = pbm::Breakage::Selection;
   using Daughters = pbm::Breakage::Daughters;
   pbm::Breakage breakage;
-  const std::string selection = reader.choice_or("selection", "impact", {"impact", "constant", "linear", "power"});
+  const std::string selection =
+      reader.choice_or("selection", "impact", {"impact", "constant", "linear", "power", "table"});
   breakage.selection = selection == "impact"     ? Selection::impact
                        : selection == "constant" ? Selection::constant
                        : selection == "linear"   ? Selection::linear
-                                                 : Selection::power;
+                       : selection == "power"    ? Selection::power
+                                                 : Selection::table;
   breakage.exponent = reader.number_or("exponent", breakage.exponent, Range::between(0.0, 10.0));
   const std::string daughters =
-      reader.choice_or("daughters", "uniform_binary", {"uniform_binary", "halves", "same_composition"});
+      reader.choice_or("daughters", "uniform_binary", {"uniform_binary", "halves", "same_composition", "table"});
   breakage.daughters = daughters == "uniform_binary" ? Daughters::uniform_binary
                        : daughters == "halves"       ? Daughters::halves
+                       : daughters == "table"        ? Daughters::table
                                                      : Daughters::same_composition;
-  breakage.rate = read_rate(reader, selection == "impact", "1/s");
+  if (selection == "table" || daughters == "table")
+    breakage.table = read_kernel_file(reader, campaign);
+  else if (reader.has("table"))
+    reader.problem("table", "neither selection nor daughters are of it.",
+                   "Remove it, or set one of them to \"table\".");
+  breakage.rate = read_rate(reader, selection == "impact" || selection == "table", "1/s");
   breakage.critical_stokes_deformation =
       reader.number_or("critical_stokes_deformation", breakage.critical_stokes_deformation, Range::positive());
   breakage.primary_diameter = reader.quantity_or("primary_diameter", breakage.primary_diameter, "m", Range::positive());
@@ -128,7 +148,7 @@ void read_pbm(json::Reader& root, Campaign& campaign, json::Problems& problems) 
   base.output_every = reader.quantity_or("output_every", base.output_every, "s", Range::positive());
   base.reference_volume = reader.quantity_or("reference_volume", base.reference_volume, "m^3", Range::positive());
   if (auto section = reader.optional_section("aggregation")) base.aggregation = read_aggregation(*section, problems);
-  if (auto section = reader.optional_section("breakage")) base.breakage = read_breakage(*section);
+  if (auto section = reader.optional_section("breakage")) base.breakage = read_breakage(*section, campaign);
   if (auto section = reader.optional_section("consolidation")) base.consolidation = read_consolidation(*section);
 
   PbmSettings& pbm = campaign.pbm;

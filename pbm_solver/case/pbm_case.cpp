@@ -24,8 +24,8 @@ const std::vector<std::string> kEfficiencies{"constant", "wet", "stokes"};
 const std::vector<std::string> kKernels{"constant", "sum", "product", "shear", "dem", "table"};
 const std::vector<std::string> kLookups{"size", "group"};
 const std::vector<std::string> kMethods{"automatic", "pairs", "low_rank"};
-const std::vector<std::string> kSelections{"constant", "linear", "power", "impact"};
-const std::vector<std::string> kDaughters{"uniform_binary", "halves", "same_composition"};
+const std::vector<std::string> kSelections{"constant", "linear", "power", "impact", "table"};
+const std::vector<std::string> kDaughters{"uniform_binary", "halves", "same_composition", "table"};
 
 /// The enumerator whose name was read: the names are listed in the order of the enumerators.
 template <class Enum>
@@ -234,6 +234,59 @@ Aggregation read_aggregation(Reader reader, const std::optional<DemRates>& dem) 
   return a;
 }
 
+/// "daughters" of a table: for each parent a list of [share, number].
+std::vector<std::vector<BreakageTable::Daughter>> read_daughters(Reader& reader, std::size_t n_parents) {
+  std::vector<std::vector<BreakageTable::Daughter>> all;
+  const Value* written = reader.raw("daughters");
+  if (written == nullptr || !written->is_array() || written->size() != n_parents) {
+    reader.problem("daughters", fmt::format("it must be {} lists of [share, number], one for each solid.", n_parents));
+    return {};
+  }
+  for (std::size_t p = 0; p < n_parents; ++p) {
+    std::vector<BreakageTable::Daughter> of_one;
+    double volume = 0.0;
+    for (const Value& item : written->items()[p].items_or_none()) {
+      const auto pair = item.numbers();
+      if (pair.size() != 2 || !(pair[0] > 0.0) || !(pair[0] < 1.0) || !(pair[1] >= 0.0) || !std::isfinite(pair[1])) {
+        reader.problem("daughters",
+                       fmt::format("list {} has an item that is no [share in (0, 1), number >= 0].", p + 1));
+        return {};
+      }
+      of_one.push_back({pair[0], pair[1]});
+      volume += pair[0] * pair[1];
+    }
+    if (!of_one.empty() && std::abs(volume - 1.0) > 1e-9) {
+      reader.problem("daughters",
+                     fmt::format("the shares of list {}, times their numbers, add up to {:.10g}; it must be "
+                                 "1: no volume comes or goes.",
+                                 p + 1, volume));
+      return {};
+    }
+    all.push_back(std::move(of_one));
+  }
+  return all;
+}
+
+BreakageTable read_table(Reader reader, bool with_daughters) {
+  BreakageTable table;
+  table.solid = reader.numbers("solid", Range::positive());
+  table.rate = reader.numbers("rate", Range::not_negative());
+  if (table.solid.empty()) reader.problem("solid", "it is empty.", "Give the solid volume of at least one parent.");
+  if (table.rate.size() != table.solid.size())
+    reader.problem("rate", fmt::format("it must have {} numbers, one for each solid.", table.solid.size()));
+  if (std::adjacent_find(table.solid.begin(), table.solid.end(), std::greater_equal<>()) != table.solid.end())
+    reader.problem("solid", "it must ascend.");
+  if (with_daughters || reader.has("daughters")) table.daughters = read_daughters(reader, table.solid.size());
+  const auto is_empty = [](const auto& list) { return list.empty(); };
+  if (with_daughters && std::all_of(table.daughters.begin(), table.daughters.end(), is_empty))
+    reader.problem("daughters", "no parent has any.");
+  for (std::size_t p = 0; with_daughters && p < table.daughters.size() && p < table.rate.size(); ++p)
+    if (table.daughters[p].empty() && table.rate[p] > 0.0)
+      reader.problem("daughters", fmt::format("list {} is empty, but that parent breaks.", p + 1));
+  reader.done();
+  return table;
+}
+
 Breakage read_breakage(Reader reader, const std::optional<DemRates>& dem) {
   Breakage b;
   b.selection = chosen(reader, "selection", b.selection, kSelections);
@@ -243,9 +296,13 @@ Breakage read_breakage(Reader reader, const std::optional<DemRates>& dem) {
   b.critical_stokes_deformation =
       reader.number_or("critical_stokes_deformation", b.critical_stokes_deformation, Range::positive());
   b.primary_diameter = reader.number_or("primary_diameter", b.primary_diameter, Range::positive());
+  const bool daughters = b.daughters == Breakage::Daughters::table;
+  if (auto table = reader.optional_section("table")) b.table = read_table(std::move(*table), daughters);
+  if ((daughters || b.selection == Breakage::Selection::table) && !reader.has("table"))
+    reader.problem("table", "it is missing, and selection or daughters are of it.");
   if (b.selection == Breakage::Selection::impact && (!dem || dem->impact_rate.empty()))
     reader.problem("selection", "it needs impact rates.",
-                   "Give /dem/impact_rate, or take \"constant\", \"linear\" or \"power\".");
+                   "Give /dem/impact_rate, or take \"constant\", \"linear\", \"power\" or \"table\".");
   reader.done();
   return b;
 }
@@ -329,12 +386,14 @@ Value aggregation_json(const Aggregation& a) {
 }
 
 Value breakage_json(const Breakage& b) {
-  return Value::object({{"selection", name_of(b.selection, kSelections)},
-                        {"daughters", name_of(b.daughters, kDaughters)},
-                        {"rate", b.rate},
-                        {"exponent", b.exponent},
-                        {"critical_stokes_deformation", b.critical_stokes_deformation},
-                        {"primary_diameter", b.primary_diameter}});
+  Value document = Value::object({{"selection", name_of(b.selection, kSelections)},
+                                  {"daughters", name_of(b.daughters, kDaughters)},
+                                  {"rate", b.rate},
+                                  {"exponent", b.exponent},
+                                  {"critical_stokes_deformation", b.critical_stokes_deformation},
+                                  {"primary_diameter", b.primary_diameter}});
+  if (!b.table.solid.empty()) document.set("table", to_json(b.table));
+  return document;
 }
 
 Value initial_json(const std::vector<InitialClass>& initial) {
@@ -350,6 +409,31 @@ Value initial_json(const std::vector<InitialClass>& initial) {
 }
 
 }  // namespace
+
+Result<BreakageTable> read_breakage_table(const json::Value& document, const std::string& file) {
+  constexpr const char* kKernelFormat = "granary-breakage-kernel-1";
+  if (document.text_or("format", "") != kKernelFormat)
+    return Error{
+        fmt::format("{}: this is no breakage kernel (its \"format\" is not \"{}\"). granary kernel writes them.", file,
+                    kKernelFormat)};
+  json::Problems problems;
+  Reader reader(document, file, problems);
+  BreakageTable table = read_table(reader.section("table"), true);
+  if (!problems.empty()) return problems.error();
+  return table;
+}
+
+json::Value to_json(const BreakageTable& t) {
+  Value daughters = Value::array();
+  for (const auto& of_one : t.daughters) {
+    Value list = Value::array();
+    for (const BreakageTable::Daughter& d : of_one) list.push(Value(json::Array{d.share, d.number}));
+    daughters.push(std::move(list));
+  }
+  Value document = Value::object({{"solid", t.solid}, {"rate", t.rate}});
+  if (!t.daughters.empty()) document.set("daughters", std::move(daughters));
+  return document;
+}
 
 Result<PbmCase> read_case(const Value& document, const std::string& file) {
   json::Problems problems;

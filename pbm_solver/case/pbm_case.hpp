@@ -104,13 +104,26 @@ struct Aggregation {
   Efficiency efficiency;
 };
 
+/// Breakage as it was measured, by the solid volume of the parent.
+struct BreakageTable {
+  struct Daughter {
+    double share = 0.0;   ///< of the parent's volume, in (0, 1)
+    double number = 0.0;  ///< so many of them a break, on average
+  };
+  std::vector<double> solid;                     ///< of the parents [m^3], ascending, shape (n)
+  std::vector<double> rate;                      ///< [1/s], shape (n)
+  std::vector<std::vector<Daughter>> daughters;  ///< of each parent: sum number share = 1, shape (n)
+};
+
 /// K_br = rate * C_imp * P(U > U_br). constant: C_imp P = 1/s; linear: C_imp P = v / reference_volume; power: its
-/// `exponent`-th power (both for exact solutions); impact: DEM.
+/// `exponent`-th power (both for exact solutions); impact: DEM; table: C_imp P linear in ln v between the table's
+/// parents, constant beyond them.
 struct Breakage {
-  enum class Selection { constant, linear, power, impact };
-  enum class Daughters { uniform_binary, halves, same_composition };
+  enum class Selection { constant, linear, power, impact, table };
+  enum class Daughters { uniform_binary, halves, same_composition, table };
   Selection selection = Selection::impact;
   Daughters daughters = Daughters::uniform_binary;
+  BreakageTable table;                       ///< where selection or daughters are of it
   double rate = 1.0;                         ///< k_br [-]
   double exponent = 1.0;                     ///< power: of the solid volume [-]
   double critical_stokes_deformation = 0.2;  ///< St*_def
@@ -164,5 +177,9 @@ struct PbmCase {
 /// From a parsed case.json; every problem at once. `file` opens the messages.
 Result<PbmCase> read_case(const json::Value& document, const std::string& file);
 json::Value to_json(const PbmCase& pbm_case);
+
+/// The member "table" of a kernel file (format "granary-breakage-kernel-1", docs/exchange_formats.md), with daughters.
+Result<BreakageTable> read_breakage_table(const json::Value& document, const std::string& file);
+json::Value to_json(const BreakageTable& table);
 
 }  // namespace granary::pbm

@@ -1,7 +1,10 @@
 #include "pbm_solver/model/breakage_operator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+
+#include "pbm_solver/model/particles.hpp"
 
 namespace granary::pbm {
 namespace {
@@ -13,9 +16,91 @@ bool divisible_along(const SolidAxis& axis, int i) {
   return axis.absent() || axis.pivot(i) >= 2.0 * axis.pivot(0) * (1.0 - kRoundOff);
 }
 
+/// What the fragments of one parent give to the pivots around them.
+class PivotWeights {
+ public:
+  PivotWeights(const ClassGrid& grid, std::size_t parent) : grid_(grid), parent_(parent) {}
+
+  /// `number` fragments with the share `part` of the parent's solids.
+  void add(double part, double number) {
+    const SolidAxis &rows = grid_.axis(0), &columns = grid_.axis(1);
+    const double s1 = part * grid_.solid_1()[parent_], s2 = part * grid_.solid_2()[parent_];
+    const PivotShare a = rows.share(rows.cell(s1), s1), b = columns.share(columns.cell(s2), s2);
+    for (int di = 0; di < 2; ++di)
+      for (int dj = 0; dj < 2; ++dj) {
+        const double w = number * (di == 0 ? a.to_lower : a.to_upper) * (dj == 0 ? b.to_lower : b.to_upper);
+        if (w != 0.0) weights_[grid_.index(a.lower + di, b.lower + dj)] += w;
+      }
+  }
+  /// Both sisters where the first has the share theta.
+  void add_sisters(double theta, double number) {
+    add(theta, number);
+    add(1.0 - theta, number);
+  }
+  const std::map<std::size_t, double>& list() const { return weights_; }
+
+ private:
+  const ClassGrid& grid_;
+  std::size_t parent_;
+  std::map<std::size_t, double> weights_;
+};
+
+/// The least share of its solids that a fragment of parent k can have: a first pivot of either solid.
+double least_share(const ClassGrid& grid, std::size_t k) {
+  double least = 0.0;
+  for (int solid = 0; solid < 2; ++solid)
+    if (const SolidAxis& axis = grid.axis(solid); !axis.absent())
+      least = std::max(least, axis.pivot(0) / (solid == 0 ? grid.solid_1() : grid.solid_2())[k]);
+  return least;
+}
+
+/// theta in [0, 1/2] and its sister in [1/2, 1]: the shares are of that half. Cut where either sister changes its cell.
+void add_uniform_shares(const ClassGrid& grid, std::size_t k, PivotWeights& weights) {
+  const double least = std::min(0.5, least_share(grid, k));
+  std::vector<double> cuts{0.5};
+  for (int solid = 0; solid < 2; ++solid) {
+    const SolidAxis& axis = grid.axis(solid);
+    const double x = (solid == 0 ? grid.solid_1() : grid.solid_2())[k];
+    if (axis.absent()) continue;
+    for (int a = 1; a < axis.size(); ++a)
+      for (const double cut : {axis.lower_edge(a) / x, 1.0 - axis.lower_edge(a) / x})
+        if (cut > 0.0 && cut < 0.5) cuts.push_back(cut);
+  }
+  std::sort(cuts.begin(), cuts.end());
+  weights.add_sisters(least, 2.0 * least);
+  double low = least;
+  for (const double cut : cuts) {
+    if (cut <= low) continue;
+    weights.add_sisters(0.5 * (low + cut), 2.0 * (cut - low));
+    low = cut;
+  }
+}
+
+/// The rows of the table on both sides of the parent, each with its part. A row without daughters is a parent that does
+/// not break: the other has it all.
+void add_table(const BreakageTable& table, const ClassGrid& grid, std::size_t k, PivotWeights& weights) {
+  std::vector<double> ln_solid;
+  std::vector<std::size_t> rows;
+  for (std::size_t p = 0; p < table.solid.size(); ++p)
+    if (!table.daughters[p].empty()) ln_solid.push_back(std::log(table.solid[p])), rows.push_back(p);
+  if (rows.empty()) return;
+  const ClassPosition at = position_of(ln_solid, std::log(grid.solid()[k]));
+  // Two fragments at least fit into a parent that can be divided, but not more of a size than it holds.
+  const double least = std::min(0.5, least_share(grid, k));
+  const auto add_row = [&](std::size_t row, double part) {
+    for (const BreakageTable::Daughter& daughter : table.daughters[rows[row]]) {
+      const double share = std::max(daughter.share, least);
+      weights.add(share, part * daughter.number * daughter.share / share);
+    }
+  };
+  const auto lower = static_cast<std::size_t>(at.lower);
+  add_row(lower, 1.0 - at.to_upper);
+  if (at.to_upper > 0.0) add_row(lower + 1, at.to_upper);
+}
+
 }  // namespace
 
-Fragments::Fragments(const ClassGrid& grid, Breakage::Daughters model)
+Fragments::Fragments(const ClassGrid& grid, Breakage::Daughters model, const BreakageTable& table)
     : n1_(grid.axis(0).size()), n2_(grid.axis(1).size()), products_(model == Breakage::Daughters::uniform_binary) {
   for (int i = 0; i < n1_; ++i)
     for (int j = 0; j < n2_; ++j)
@@ -24,7 +109,7 @@ Fragments::Fragments(const ClassGrid& grid, Breakage::Daughters model)
     list_uniform(grid.axis(0), along_1_);
     list_uniform(grid.axis(1), along_2_);
   } else {
-    list_fragments(grid, model);
+    list_fragments(grid, model, table);
   }
 }
 
@@ -63,51 +148,19 @@ void Fragments::list_uniform(const SolidAxis& axis, std::vector<double>& along) 
   }
 }
 
-void Fragments::list_fragments(const ClassGrid& grid, Breakage::Daughters model) {
-  const SolidAxis &rows = grid.axis(0), &columns = grid.axis(1);
+void Fragments::list_fragments(const ClassGrid& grid, Breakage::Daughters model, const BreakageTable& table) {
   diagonal_.assign(grid.size(), 0.0);
   for (std::size_t k = 0; k < grid.size(); ++k) {
     first_.push_back(static_cast<int>(to_.size()));
     if (!divisible_[k]) continue;
-    std::map<std::size_t, double> weights;
-    // Both sisters where the first has the share theta of the parent, counted `share` times.
-    const auto add = [&](double theta, double share) {
-      for (const double part : {theta, 1.0 - theta}) {
-        const double s1 = part * grid.solid_1()[k], s2 = part * grid.solid_2()[k];
-        const PivotShare a = rows.share(rows.cell(s1), s1), b = columns.share(columns.cell(s2), s2);
-        for (int di = 0; di < 2; ++di)
-          for (int dj = 0; dj < 2; ++dj) {
-            const double w = share * (di == 0 ? a.to_lower : a.to_upper) * (dj == 0 ? b.to_lower : b.to_upper);
-            if (w != 0.0) weights[grid.index(a.lower + di, b.lower + dj)] += w;
-          }
-      }
-    };
-    if (model == Breakage::Daughters::halves) {
-      add(0.5, 1.0);
-    } else {
-      // theta in [0, 1/2] and its sister in [1/2, 1]: the shares below are of that half. Cut where either sister
-      // changes its cell.
-      double least = 0.0;
-      std::vector<double> cuts{0.5};
-      for (int solid = 0; solid < 2; ++solid) {
-        const SolidAxis& axis = grid.axis(solid);
-        const double x = (solid == 0 ? grid.solid_1() : grid.solid_2())[k];
-        if (axis.absent()) continue;
-        least = std::max(least, std::min(0.5, axis.pivot(0) / x));
-        for (int a = 1; a < axis.size(); ++a)
-          for (const double cut : {axis.lower_edge(a) / x, 1.0 - axis.lower_edge(a) / x})
-            if (cut > 0.0 && cut < 0.5) cuts.push_back(cut);
-      }
-      std::sort(cuts.begin(), cuts.end());
-      add(least, 2.0 * least);
-      double low = least;
-      for (const double cut : cuts) {
-        if (cut <= low) continue;
-        add(0.5 * (low + cut), 2.0 * (cut - low));
-        low = cut;
-      }
-    }
-    for (const auto& [to, w] : weights) {
+    PivotWeights weights(grid, k);
+    if (model == Breakage::Daughters::halves)
+      weights.add_sisters(0.5, 1.0);
+    else if (model == Breakage::Daughters::same_composition)
+      add_uniform_shares(grid, k, weights);
+    else
+      add_table(table, grid, k, weights);
+    for (const auto& [to, w] : weights.list()) {
       to_.push_back(static_cast<int>(to));
       weight_.push_back(w);
       if (to == k) diagonal_[k] = w;

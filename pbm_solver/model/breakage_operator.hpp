@@ -13,6 +13,9 @@ namespace granary::pbm {
 ///   uniform_binary     u_k uniform in [0, x_k], independent:  b = 2 / (x1 x2)
 ///   halves             u_k = x_k / 2
 ///   same_composition   u_k = theta x_k, theta uniform in [0, 1]
+///   table              any number of fragments z x, each with the share z of either solid; between two parents of the
+///                      table the mean of both, linear in ln of the solid volume. What would be smaller than p_k is put
+///                      together in fewer fragments of that size.
 ///
 /// integrated exactly over the grid's cells; each cell's share goes to the pivots around its mean (cell average, parent
 /// by parent), so that number and both solids survive. Nothing is smaller than the first pivot p_k of a solid that is
@@ -24,7 +27,8 @@ namespace granary::pbm {
 /// substitution.
 class Fragments {
  public:
-  Fragments(const ClassGrid& grid, Breakage::Daughters model);
+  /// `table` is read by the model of that name.
+  Fragments(const ClassGrid& grid, Breakage::Daughters model, const BreakageTable& table = {});
 
   bool divisible(std::size_t k) const { return divisible_[k]; }
   /// Particles of class `to` per broken particle of class `parent`.
@@ -33,7 +37,7 @@ class Fragments {
 
  private:
   void list_uniform(const SolidAxis& axis, std::vector<double>& along) const;
-  void list_fragments(const ClassGrid& grid, Breakage::Daughters model);
+  void list_fragments(const ClassGrid& grid, Breakage::Daughters model, const BreakageTable& table);
 
   int n1_, n2_;
   bool products_;

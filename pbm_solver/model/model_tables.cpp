@@ -25,7 +25,7 @@ ModelTables::ModelTables(const PbmCase& c)
       view{grid.axis(0).size(), grid.axis(1).size(), grid.axis(0).pivots().data(), grid.axis(1).pivots().data()},
       solids(grid, c.materials, lanes) {
   if (c.aggregation) aggregation.emplace(c, grid);
-  if (c.breakage) fragments.emplace(grid, c.breakage->daughters);
+  if (c.breakage) fragments.emplace(grid, c.breakage->daughters, c.breakage->table);
 }
 
 }  // namespace granary::pbm

@@ -20,6 +20,7 @@ double share_faster(const SpeedDistribution& speeds, double speed) {
 
 SelectionFunction::SelectionFunction(const PbmCase& c, int compartment)
     : breakage_(*c.breakage), viscosity_(c.materials.liquid_viscosity), reference_volume_(c.reference_volume) {
+  for (const double solid : breakage_.table.solid) ln_solid_.push_back(std::log(solid));
   if (breakage_.selection != Breakage::Selection::impact) return;
   if (!c.dem->compartment_factor.empty()) factor_ = c.dem->compartment_factor[static_cast<std::size_t>(compartment)];
   impact_rate_ = c.dem->impact_rate;
@@ -34,6 +35,13 @@ double SelectionFunction::impact_rate(double diameter) const {
   return factor_ * ((1.0 - at.to_upper) * low + at.to_upper * impact_rate_[static_cast<std::size_t>(at.lower) + 1]);
 }
 
+double SelectionFunction::table_rate(double solid) const {
+  const ClassPosition at = position_of(ln_solid_, std::log(solid));
+  const auto lower = static_cast<std::size_t>(at.lower);
+  const double low = breakage_.table.rate[lower];
+  return at.to_upper == 0.0 ? low : (1.0 - at.to_upper) * low + at.to_upper * breakage_.table.rate[lower + 1];
+}
+
 double SelectionFunction::operator()(double solid, const ParticleTable& particles, std::size_t at) const {
   switch (breakage_.selection) {
     case Breakage::Selection::constant:
@@ -42,6 +50,8 @@ double SelectionFunction::operator()(double solid, const ParticleTable& particle
       return breakage_.rate * solid / reference_volume_;
     case Breakage::Selection::power:
       return breakage_.rate * std::pow(solid / reference_volume_, breakage_.exponent);
+    case Breakage::Selection::table:
+      return breakage_.rate * table_rate(solid);
     case Breakage::Selection::impact: {
       const double density = 1.0 / (particles.inverse_mass[at] * particles.volume[at]);
       const double speed = breakage_speed(breakage_, viscosity_, density, particles.porosity[at]);

@@ -25,6 +25,7 @@ double share_faster(const SpeedDistribution& speeds, double speed);
 ///   constant: C_imp P = 1/s.   linear: the solid volume over the reference volume, per second.   power: a power of it.
 ///   impact: the DEM's impact rate at the class's diameter (linear in ln d between class centres, the end class beyond
 ///   them) times the share of impacts faster than the breakage speed.
+///   table: linear in ln of the solid volume between the table's parents, the end value beyond them.
 class SelectionFunction {
  public:
   SelectionFunction(const PbmCase& pbm_case, int compartment);
@@ -33,6 +34,7 @@ class SelectionFunction {
 
  private:
   double impact_rate(double diameter) const;
+  double table_rate(double solid) const;
 
   Breakage breakage_;
   double viscosity_;
@@ -41,6 +43,7 @@ class SelectionFunction {
   std::vector<double> impact_rate_;  ///< [1/s], by DEM class
   std::vector<double> ln_diameter_;
   SpeedDistribution impact_speed_;
+  std::vector<double> ln_solid_;  ///< of the table's parents
 };
 
 }  // namespace granary::pbm

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -88,12 +89,50 @@ TEST(Fragments, OfTheSmallestClassesAreNone) {
   EXPECT_TRUE(fragments.divisible(grid.index(1, 2)));   // exactly 2, and 2.25
 }
 
+const BreakageTable kTable{{10.0, 1000.0}, {1.0, 2.0}, {{{0.5, 2.0}}, {{0.75, 1.0}, {0.0625, 4.0}}}};
+
+TEST(Fragments, OfATableHoldAllOfTheParentAndAreAsManyAsItSays) {
+  for (const double ratio : {1.3, 2.0, 3.0}) {
+    const ClassGrid grid(Grid{{14, 9}, {1e-3, 5e-4}, {ratio, 2.2}});
+    const Fragments fragments(grid, Breakage::Daughters::table, kTable);
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      if (!fragments.divisible(k)) continue;
+      double number = 0.0, solid_1 = 0.0, solid_2 = 0.0;
+      for (std::size_t to = 0; to < grid.size(); ++to) {
+        const double weight = fragments.weight(to, k);
+        EXPECT_GE(weight, 0.0);
+        number += weight, solid_1 += weight * grid.solid_1()[to], solid_2 += weight * grid.solid_2()[to];
+      }
+      EXPECT_NEAR(solid_1, grid.solid_1()[k], 1e-12 * solid_1);
+      EXPECT_NEAR(solid_2, grid.solid_2()[k], 1e-12 * solid_2);
+      // 2 below the table's first parent, 5 above its last, in between linear in ln of the volume.
+      const double at = std::clamp(std::log(grid.solid()[k] / 10.0) / std::log(100.0), 0.0, 1.0);
+      const bool whole = 0.0625 * grid.solid_1()[k] >= 1e-3 && 0.0625 * grid.solid_2()[k] >= 5e-4;
+      if (whole || at == 0.0) {
+        EXPECT_NEAR(number, 2.0 + 3.0 * at, 1e-12 * number);
+      }
+    }
+  }
+}
+
+TEST(Fragments, OfATableThatHitPivotsStandOnThem) {
+  // One solid that doubles from class to class: a parent of 16 gives one of 8 and eight of 1.
+  const ClassGrid grid(Grid{{6, 1}, {1.0, 0.0}, {2.0, 2.0}});
+  const Fragments fragments(grid, Breakage::Daughters::table, {{16.0}, {1.0}, {{{0.5, 1.0}, {1.0 / 16.0, 8.0}}}});
+
+  EXPECT_DOUBLE_EQ(fragments.weight(0, 4), 8.0);
+  EXPECT_DOUBLE_EQ(fragments.weight(3, 4), 1.0);
+  for (const std::size_t none : {1u, 2u, 4u, 5u}) EXPECT_EQ(fragments.weight(none, 4), 0.0);
+  // Of a parent of 2, eight of 1/8 would be smaller than the first pivot: together with the half they are two of 1.
+  EXPECT_DOUBLE_EQ(fragments.weight(0, 1), 2.0);
+}
+
 TEST(Fragments, AreTakenBackBySolvingForThem) {
   // (1 - gamma A) y computed by adding, then solved: y comes back, for any model and both kinds of lanes.
-  for (const auto model : kAll)
+  for (const auto model : {kAll[0], kAll[1], kAll[2], Breakage::Daughters::table})
     for (const int lanes : {1, 8}) {
       const ClassGrid grid(Grid{{9, 7}, {1.0, 0.5}, {1.9, 2.2}});
-      const Fragments fragments(grid, model);
+      const Fragments fragments(grid, model, kTable);
       const auto width = static_cast<std::size_t>(lanes);
       const std::size_t n = grid.size() * width;
       LaneVector selection(n), y(n), scratch(2 * n);

@@ -46,6 +46,32 @@ TEST(PbmCase, ComesBackFromItsJsonUnchanged) {
   EXPECT_EQ(read->breakage->daughters, Breakage::Daughters::same_composition);
 }
 
+TEST(PbmCase, ComesBackWithABreakageTable) {
+  PbmCase c = testing::a_granulator();
+  c.breakage->selection = Breakage::Selection::table;
+  c.breakage->daughters = Breakage::Daughters::table;
+  c.breakage->table = {{1e-15, 1e-12}, {0.0, 0.1 + 0.2}, {{}, {{0.75, 1.0}, {0.0625, 4.0}}}};
+
+  const json::Value written = to_json(c);
+  const auto read = read_text_case(json::dump(written));
+
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(json::dump(to_json(*read)), json::dump(written));
+  EXPECT_EQ(read->breakage->table.daughters[1][1].number, 4.0);
+}
+
+TEST(PbmCase, RefusesABreakageTableThatMakesOrLosesVolume) {
+  PbmCase c = testing::a_granulator();
+  c.breakage->daughters = Breakage::Daughters::table;
+  c.breakage->table = {{1e-12, 1e-15}, {1.0}, {{{0.5, 2.1}}, {{1.0, 1.0}}}};
+
+  const std::string message = message_of(json::dump(to_json(c)));
+
+  EXPECT_THAT(message, HasSubstr("/breakage/table/solid"));
+  EXPECT_THAT(message, HasSubstr("/breakage/table/rate"));
+  EXPECT_THAT(message, HasSubstr("add up to 1.05"));
+}
+
 TEST(PbmCase, ComesBackWithARestart) {
   PbmCase c = testing::a_granulator();
   c.restart = Restart{"bursts/0001-pbm/out.h5", 1.4};
