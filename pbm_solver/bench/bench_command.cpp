@@ -7,6 +7,7 @@
 #include "pbm_solver/bench/row_bench.hpp"
 #include "pbm_solver/bench/time_error.hpp"
 #include "pbm_solver/bench/work_precision.hpp"
+#include "pbm_solver/evaluate/twin_bench.hpp"
 
 namespace granary::pbm {
 namespace {
@@ -22,6 +23,14 @@ int run_row(const BenchOptions& options) {
   return 0;
 }
 
+json::Value run_twins(const BenchOptions& options) {
+  TwinBench twins;
+  if (options.seeds > 0) twins.seeds = options.seeds;
+  if (!options.parameters.empty()) twins.parameters = options.parameters;
+  twins.methods = options.methods;
+  return bench_twins(twins);
+}
+
 json::Value run_part(const std::string& part, bench::Effort effort) {
   if (part == "rhs") return bench::rhs_timings(effort);
   if (part == "work-precision") return bench::work_precision(effort);
@@ -33,9 +42,9 @@ json::Value run_part(const std::string& part, bench::Effort effort) {
 
 CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   CLI::App* command = app.add_subcommand("bench", "one part of `granary bench pbm` (docs/bench.md), as JSON");
-  command->add_option("PART", options.part, "rhs, work-precision, temporal, published or row")
+  command->add_option("PART", options.part, "rhs, work-precision, temporal, published, row or twins")
       ->required()
-      ->check(CLI::IsMember({"rhs", "work-precision", "temporal", "published", "row"}));
+      ->check(CLI::IsMember({"rhs", "work-precision", "temporal", "published", "row", "twins"}));
   CLI::Option* quick = command->add_flag("--quick", options.quick, "a few seconds a part");
   command->add_flag("--full", options.full, "also what the reference needs many minutes for")->excludes(quick);
   command->add_option("--threads", options.threads, "row: threads of each rank")
@@ -44,11 +53,19 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   command->add_option("--seconds", options.seconds, "row: wall time of each of its two measurements")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
+  command->add_option("--seeds", options.seeds, "twins: so many of each problem")->check(CLI::Range(1, 1000));
+  command->add_option("--parameters", options.parameters, "twins: only problems of 2, 4 or 6")
+      ->check(CLI::IsMember({2, 4, 6}));
+  command->add_option("--method", options.methods, "twins: only this one (may be repeated)");
   return command;
 }
 
 int run_bench_command(const BenchOptions& options) {
   if (options.part == "row") return run_row(options);
+  if (options.part == "twins") {
+    std::printf("%s\n", json::dump(run_twins(options), 1).c_str());
+    return 0;
+  }
   const auto effort = options.quick ? bench::Effort::quick : options.full ? bench::Effort::full : bench::Effort::usual;
   std::printf("%s\n", json::dump(run_part(options.part, effort), 1).c_str());
   return 0;

@@ -3,14 +3,18 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace granary::pbm {
 
 struct BenchOptions {
-  std::string part;  ///< rhs, work-precision, temporal, published or row
+  std::string part;  ///< rhs, work-precision, temporal, published, row or twins
   bool quick = false, full = false;
-  int threads = 1;       ///< row only
-  double seconds = 1.0;  ///< row only: wall time of each of its two measurements [s]
+  int threads = 1;                   ///< row only
+  double seconds = 1.0;              ///< row only: wall time of each of its two measurements [s]
+  int seeds = 0;                     ///< twins only: of each problem; 0: 20
+  std::vector<int> parameters;       ///< twins only: 2, 4, 6; empty: all
+  std::vector<std::string> methods;  ///< twins only; empty: all
 };
 
 /// Adds the subcommand; the options are filled in when the command line is parsed.
