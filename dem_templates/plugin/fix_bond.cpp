@@ -28,6 +28,9 @@ namespace granary::dem {
 namespace {
 
 constexpr std::size_t kLoad = 6;  // a force and a torque
+// Debris of the same agglomerate is the cause of a break only if nothing else is: what smashed it goes on in its
+// pieces.
+constexpr double kOwnDebris = 1e-9;
 
 Vector3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -127,6 +130,7 @@ void FixBond::setup(int) {
     for (int i = 0; i < atom->nlocal; ++i)
       if (atom->mask[i] & groupbit) join(i, 1.0);
   grouped_ = true;
+  fragments_old_ = true;
   new_list();
   end_if_failed(world, check_time_step());
   push(true);
@@ -182,10 +186,34 @@ void FixBond::new_list() {
   drop_lost_partners();
   close_pairs_.clear();
   if (!watching()) return;
+  if (fragments_old_) number_fragments();
   for_each_listed_pair(*lmp, [this](int i, int j, std::size_t) {
     const double a = agglomerate_[static_cast<std::size_t>(i)], b = agglomerate_[static_cast<std::size_t>(j)];
-    if (a != b || a == 0.0) close_pairs_.emplace_back(i, j);
+    const bool strangers = a != b || a == 0.0;
+    if (strangers || fragment_of(i) != fragment_of(j)) close_pairs_.push_back({i, j, strangers ? 1.0 : kOwnDebris});
   });
+}
+
+// Every rank has all bonds at hand and finds the same.
+void FixBond::number_fragments() {
+  fragments_old_ = false;
+  fragment_of_tag_.clear();
+  const FragmentSurvey all = survey();
+  BondGraph graph;
+  Tag largest = 0;
+  for (const auto& particle : all.particles) {
+    graph.add_particle(particle.tag);
+    largest = std::max(largest, particle.tag);
+  }
+  for (const auto& [a, b] : all.bonds) graph.add_bond(a, b);
+  fragment_of_tag_.assign(static_cast<std::size_t>(largest) + 1, 0);
+  for (const auto& fragment : graph.fragments())
+    for (const Tag tag : fragment) fragment_of_tag_[static_cast<std::size_t>(tag)] = static_cast<int>(fragment[0]);
+}
+
+int FixBond::fragment_of(int particle) const {
+  const auto tag = static_cast<std::size_t>(atom->tag[particle]);
+  return tag < fragment_of_tag_.size() ? fragment_of_tag_[tag] : 0;
 }
 
 void FixBond::share_agglomerates() {
@@ -201,15 +229,24 @@ void FixBond::share_agglomerates() {
 
 // A bond is kept by the end with the lower tag, on the rank where that one lives.
 void FixBond::link() {
+  rows_to_book();
   links_.clear();
+  rows_.clear();
   for (int i = 0; i < atom->nlocal; ++i) {
     for (Bond& bond : book_.page(static_cast<std::size_t>(i)).bonds) {
       const int j = domain->closest_image(i, atom->map(static_cast<int>(bond.partner)));
       const BondEnd near{atom->radius[i], atom->rmass[i]};
       const BondEnd far = j < 0 ? near : BondEnd{atom->radius[j], atom->rmass[j]};
-      links_.push_back({i, j, &bond, bond_section(settings_.material, bond.radius, near, far)});
+      links_.push_back({i, j, &bond});
+      rows_.add(bond, bond_section(settings_.material, bond.radius, near, far));
     }
   }
+}
+
+void FixBond::rows_to_book() {
+  if (!rows_ahead_) return;
+  rows_ahead_ = false;
+  for (std::size_t k = 0; k < links_.size(); ++k) rows_.copy_state(k, *links_[k].bond);
 }
 
 // A partner that is not here has left the simulation, and its bonds with it; or it is too far away.
@@ -244,7 +281,9 @@ void FixBond::make_bonds_if_due() {
   int waiting = 0;
   for (int i = 0; i < atom->nlocal && !waiting; ++i) waiting = waiting_[static_cast<std::size_t>(i)] > 0.0 ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &waiting, 1, MPI_INT, MPI_MAX, world);
-  if (waiting) make_bonds();
+  if (!waiting) return;
+  make_bonds();
+  fragments_old_ = true;
 }
 
 void FixBond::make_bonds() {
@@ -275,15 +314,17 @@ void FixBond::make_bonds() {
 }
 
 Status FixBond::check_time_step() {
-  gather_numbers(BondStiffness::kNumbers, [this](const Link& link, double* near, double* far) {
-    const double length = link.bond->length, share = link.section.share;
-    BondStiffness::add(link.section, link.bond->normal, share * length, near);
-    BondStiffness::add(link.section, link.bond->normal, (1.0 - share) * length, far);
-  });
+  clear_numbers(BondStiffness::kNumbers);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const auto& [i, j, bond] = links_[k];
+    const BondSection section = rows_.section(k);
+    BondStiffness::add(section, bond->normal, section.share * bond->length, numbers_of(i));
+    BondStiffness::add(section, bond->normal, (1.0 - section.share) * bond->length, numbers_of(j));
+  }
+  numbers_home();
   double frequency2 = 0.0;
   for (int i = 0; i < atom->nlocal; ++i)
-    frequency2 = std::max(frequency2, BondStiffness::frequency2(&numbers_[static_cast<std::size_t>(i) * n_numbers_],
-                                                                {atom->radius[i], atom->rmass[i]}));
+    frequency2 = std::max(frequency2, BondStiffness::frequency2(numbers_of(i), {atom->radius[i], atom->rmass[i]}));
   MPI_Allreduce(MPI_IN_PLACE, &frequency2, 1, MPI_DOUBLE, MPI_MAX, world);
   const double longest = longest_bond_step(frequency2, settings_.material.damping);
   if (frequency2 == 0.0 || update->dt <= longest) return {};
@@ -296,69 +337,84 @@ Status FixBond::check_time_step() {
 // ---- forces ----
 
 // Each bond is worked out once, on one rank; what it does to an end that is a ghost here is sent home.
-template <class Work>
-void FixBond::gather_numbers(std::size_t n, Work&& work) {
+void FixBond::clear_numbers(std::size_t n) {
   n_numbers_ = n;
   numbers_.assign(static_cast<std::size_t>(atom->nlocal + atom->nghost) * n, 0.0);
-  for (const Link& link : links_)
-    work(link, &numbers_[static_cast<std::size_t>(link.i) * n], &numbers_[static_cast<std::size_t>(link.j) * n]);
+}
+
+void FixBond::numbers_home() {
   if (comm->nprocs > 1 || domain->xperiodic || domain->yperiodic || domain->zperiodic) comm->reverse_comm_fix(this);
 }
 
-BondMotion FixBond::motion_of(const Link& link) const {
-  const auto [i, j] = std::pair(link.i, link.j);
-  return {.between = vector_of(atom->x[j]) - vector_of(atom->x[i]),
-          .velocity = vector_of(atom->v[j]) - vector_of(atom->v[i]),
-          .spin = vector_of(atom->omega[i]),
-          .far_spin = vector_of(atom->omega[j])};
-}
+Vector3 FixBond::between(const Link& link) const { return vector_of(atom->x[link.j]) - vector_of(atom->x[link.i]); }
 
 void FixBond::push(bool frozen) {
   summed_step_ = -1;
+  rows_ahead_ = rows_ahead_ || !frozen;
   bool broke = false;
-  gather_numbers(kLoad, [&](const Link& link, double* near, double* far) {
-    const BondMotion motion = motion_of(link);
-    const BondLoad load = bond_load(link.section, motion, update->dt, frozen, settings_.material.damping, *link.bond);
-    if (!frozen) {
-      const BondBreak how = bond_break(settings_.material, link.section, load.tension, *link.bond);
-      if (how.broken) {
-        break_bond(link, motion, load.tension, how);
-        broke = true;
-        return;
+  clear_numbers(kLoad);
+  // LIGGGHTS' arrays are whole, three by three; without particles there may be none.
+  const bool any = !links_.empty();
+  const double *x = any ? atom->x[0] : nullptr, *v = any ? atom->v[0] : nullptr, *spin = any ? atom->omega[0] : nullptr;
+  for (std::size_t first = 0; first < links_.size(); first += BondRows::kBlock) {
+    const std::size_t n = std::min(BondRows::kBlock, links_.size() - first);
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto near = 3 * static_cast<std::size_t>(links_[first + k].i);
+      const auto far = 3 * static_cast<std::size_t>(links_[first + k].j);
+      for (std::size_t d = 0; d < 3; ++d) {
+        block_.motion[d][k] = x[far + d] - x[near + d];
+        block_.motion[3 + d][k] = v[far + d] - v[near + d];
+        block_.motion[6 + d][k] = spin[near + d];
+        block_.motion[9 + d][k] = spin[far + d];
       }
     }
-    for (std::size_t d = 0; d < 3; ++d) {
-      near[d] += load.force[d];
-      near[3 + d] += load.torque[d];
-      far[d] -= load.force[d];
-      far[3 + d] += load.far_torque[d];
+    rows_.advance(settings_.material, update->dt, frozen, first, block_);
+    for (std::size_t k = 0; k < n; ++k) {
+      if (block_.overload[k] >= 1.0 && !frozen) {
+        break_bond(first + k, block_.tension[k]);
+        broke = true;
+        continue;
+      }
+      double *near = numbers_of(links_[first + k].i), *far = numbers_of(links_[first + k].j);
+      for (std::size_t d = 0; d < 3; ++d) {
+        near[d] += block_.load[d][k];
+        near[3 + d] += block_.load[3 + d][k];
+        far[d] -= block_.load[d][k];
+        far[3 + d] += block_.load[6 + d][k];
+      }
     }
-  });
+  }
+  numbers_home();
   for (int i = 0; i < atom->nlocal; ++i) {
-    const double* sum = &numbers_[static_cast<std::size_t>(i) * kLoad];
+    const double* sum = numbers_of(i);
     for (std::size_t d = 0; d < 3; ++d) {
       atom->f[i][d] += sum[d];
       atom->torque[i][d] += sum[3 + d];
     }
   }
   if (!broke) return;
+  rows_to_book();
   for (int i = 0; i < atom->nlocal; ++i)
     std::erase_if(book_.page(static_cast<std::size_t>(i)).bonds, [](const Bond& bond) { return bond.radius == 0.0; });
   link();
 }
 
 // A radius of 0 marks the bond as broken.
-void FixBond::break_bond(const Link& link, const BondMotion& motion, double tension, const BondBreak& how) {
+void FixBond::break_bond(std::size_t k, double tension) {
+  const auto& [i, j, bond] = links_[k];
+  const BondSection section = rows_.section(k);
+  rows_.copy_state(k, *bond);
   ++broken_here_;
-  released_here_ += bond_energy(link.section, tension, *link.bond);
-  link.bond->radius = 0.0;
+  released_here_ += bond_energy(section, tension, *bond);
+  bond->radius = 0.0;
   if (!watching()) return;
+  const BondBreak how = bond_break(settings_.material, bond_stress(section, tension, *bond));
   breaks_.push_back({.step = static_cast<double>(update->ntimestep),
                      .time = dem_time(*lmp),
-                     .agglomerate = static_cast<Tag>(agglomerate_[static_cast<std::size_t>(link.i)]),
-                     .tag = atom->tag[link.i],
-                     .far_tag = atom->tag[link.j],
-                     .place = vector_of(atom->x[link.i]) + link.section.share * motion.between,
+                     .agglomerate = static_cast<Tag>(agglomerate_[static_cast<std::size_t>(i)]),
+                     .tag = atom->tag[i],
+                     .far_tag = atom->tag[j],
+                     .place = vector_of(atom->x[i]) + section.share * between(links_[k]),
                      .mode = how.mode,
                      .stress = how.stress});
 }
@@ -373,11 +429,11 @@ void FixBond::look_at_pairs() {
     if (i < atom->nlocal)
       book_.page(static_cast<std::size_t>(i)).squeeze.note(now, 0.0, depth / atom->radius[i], window_steps());
   };
-  for (const auto& [i, j] : close_pairs_) {
+  for (const auto& [i, j, weight] : close_pairs_) {
     const Vector3 away = vector_of(atom->x[i]) - vector_of(atom->x[j]);
     const double touching = atom->radius[i] + atom->radius[j], distance2 = dot(away, away);
     if (distance2 >= touching * touching) continue;
-    const double depth = 0.5 * (touching - std::sqrt(distance2));
+    const double depth = 0.5 * weight * (touching - std::sqrt(distance2));
     note(i, depth);
     note(j, depth);
   }
@@ -387,6 +443,7 @@ void FixBond::tell_breaks() {
   int any = breaks_.empty() ? 0 : 1;
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
   if (!any) return;
+  fragments_old_ = true;
 
   std::vector<double> mine;
   for (const BreakEvent& e : breaks_)
@@ -459,9 +516,11 @@ double FixBond::compute_vector(int n) {
   const auto step = static_cast<long>(update->ntimestep);
   if (summed_step_ != step) {
     double energy = 0.0;
-    for (const Link& link : links_) {
-      const double length = norm(motion_of(link).between);
-      energy += bond_energy(link.section, link.section.normal * (length - link.bond->length), *link.bond);
+    rows_to_book();
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+      const double stretch = norm(between(links_[k])) - links_[k].bond->length;
+      const BondSection section = rows_.section(k);
+      energy += bond_energy(section, section.normal * stretch, *links_[k].bond);
     }
     summed_ = {static_cast<double>(links_.size()), broken_here_, energy, released_here_};
     MPI_Allreduce(MPI_IN_PLACE, summed_.data(), static_cast<int>(summed_.size()), MPI_DOUBLE, MPI_SUM, world);
@@ -479,6 +538,7 @@ void FixBond::setup_pre_exchange() {
 }
 
 void FixBond::pre_exchange() {
+  rows_to_book();
   std::size_t largest = 0;
   for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, book_.packed_size(static_cast<std::size_t>(i)));
   comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(largest));
@@ -486,6 +546,7 @@ void FixBond::pre_exchange() {
 
 void FixBond::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }
 void FixBond::copy_arrays(int from, int to, int) {
+  rows_to_book();
   book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
 }
 void FixBond::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
@@ -499,6 +560,7 @@ int FixBond::unpack_exchange(int particle, double* buffer) {
 
 // LIGGGHTS wants the length first.
 int FixBond::pack_restart(int particle, double* buffer) {
+  rows_to_book();
   buffer[0] = static_cast<double>(size_restart(particle));
   book_.pack(static_cast<std::size_t>(particle), buffer + 1);
   return size_restart(particle);

@@ -13,6 +13,7 @@
 #include "common/json/io.hpp"
 #include "common/result.hpp"
 #include "dem_templates/plugin/bond/bond_book.hpp"
+#include "dem_templates/plugin/bond/bond_rows.hpp"
 #include "dem_templates/plugin/bond/bond_settings.hpp"
 #include "dem_templates/plugin/bond/fragment_history.hpp"
 
@@ -56,28 +57,32 @@ class FixBond : public LAMMPS_NS::Fix {
   void unpack_reverse_comm(int n, int* list, double* buffer) override;
 
  private:
-  /// A bond, and where its ends are until the next neighbour list.
+  /// A bond, and where its ends are until the next neighbour list; the row of the same number has its state.
   struct Link {
     int i, j;
     Bond* bond;
-    BondSection section;
   };
 
   [[noreturn]] void refuse(const std::string& why) const;
   void hear_walls(bool listen);
   void new_list();
   void link();
+  /// Brings the state of the rows home to the particles' pages, before these move.
+  void rows_to_book();
   void drop_lost_partners();
   void share_agglomerates();
   void make_bonds_if_due();
   void make_bonds();
   Status check_time_step();
-  BondMotion motion_of(const Link& link) const;
+  Vector3 between(const Link& link) const;
   void push(bool frozen);
-  void break_bond(const Link& link, const BondMotion& motion, double tension, const BondBreak& how);
-  /// Fills numbers_ with n numbers of each particle of this rank, to which its bonds add by work(link, near, far).
-  template <class Work>
-  void gather_numbers(std::size_t n, Work&& work);
+  void break_bond(std::size_t k, double tension);
+  /// n numbers of each particle and ghost, to which bonds add; then those of the ghosts are sent home.
+  void clear_numbers(std::size_t n);
+  void numbers_home();
+  double* numbers_of(int particle) { return &numbers_[static_cast<std::size_t>(particle) * n_numbers_]; }
+  void number_fragments();
+  int fragment_of(int particle) const;
   void look_at_pairs();
   void tell_breaks();
   void sample();
@@ -89,9 +94,18 @@ class FixBond : public LAMMPS_NS::Fix {
   bool grouped_ = false;  ///< `among group` has been done
   BondBook book_;
   std::vector<Link> links_;
-  std::vector<double> agglomerate_, waiting_;     ///< of the particles of this rank and its ghosts
-  std::vector<std::pair<int, int>> close_pairs_;  ///< of the neighbour list, not of one agglomerate
-  std::vector<double> numbers_;                   ///< n_numbers_ of each particle and ghost: gather_numbers()
+  BondRows rows_;
+  BondRows::Block block_;
+  bool rows_ahead_ = false;                    ///< of the book
+  std::vector<double> agglomerate_, waiting_;  ///< of the particles of this rank and its ghosts
+  struct ClosePair {
+    int i, j;
+    double weight;  ///< of the depth
+  };
+  std::vector<ClosePair> close_pairs_;  ///< of the neighbour list, not of one fragment
+  std::vector<int> fragment_of_tag_;    ///< lowest tag of the fragment, for each tag; the same on all ranks
+  bool fragments_old_ = true;           ///< bonds broke since
+  std::vector<double> numbers_;         ///< n_numbers_ of each particle and ghost
   std::size_t n_numbers_ = 0;
 
   std::vector<BreakEvent> breaks_;                  ///< of this rank, not told yet

@@ -85,7 +85,7 @@ class SmallTurn {
  public:
   explicit SmallTurn(const Vector3& angle)
       : t_((0.5 + dot(angle, angle) / 24.0) * angle), scale_(2.0 / (1.0 + dot(t_, t_))) {}
-  Vector3 operator()(const Vector3& v) const {
+  [[gnu::always_inline]] Vector3 operator()(const Vector3& v) const {
     const Vector3 once = cross(t_, v);
     return v + scale_ * (once + cross(t_, once));
   }
@@ -104,10 +104,10 @@ class SmallTurn {
 /// w is the spin of the section, that of the ends, each with its share; `turn` is R(w dt) and then the shortest turn
 /// from n' to n. So a pair that moves as one rigid body feels nothing, however it turns. The moments of the shear force
 /// about the centres are such that angular momentum is kept.
-/// frozen: the state is used, not advanced (setup).
+/// frozen: the state is used, not advanced (setup). damped: with the dashpots.
 /// Source: D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, eqs. (8)-(16).
-inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time_step, bool frozen, double damping,
-                          Bond& bond) {
+[[gnu::always_inline]] inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time_step,
+                                                 bool frozen, bool damped, Bond& bond) {
   const double length = std::sqrt(dot(m.between, m.between));
   const Vector3 n = (1.0 / length) * m.between;
   const Vector3 spin = s.share * m.spin + (1.0 - s.share) * m.far_spin, bending = m.far_spin - m.spin;
@@ -117,7 +117,7 @@ inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time
     const SmallTurn with_section(time_step * spin);
     const Vector3 expected = with_section(bond.normal), both = expected + n;
     const double cosine = dot(expected, n), per_both = 1.0 / (1.0 + cosine);
-    const auto turn = [&](const Vector3& v) {
+    const auto turn = [&](const Vector3& v) __attribute__((always_inline)) {
       const Vector3 turned = with_section(v);
       return turned - (dot(turned, n) * per_both) * both;
     };
@@ -131,7 +131,7 @@ inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time
   load.tension = s.normal * (length - bond.length);
   Vector3 across = bond.shear, moment = bond.bend + bond.twist * n;
   double along = load.tension;
-  if (damping > 0.0) {
+  if (damped) {
     const double apart = dot(m.velocity, n);
     along += s.normal_damping * apart;
     across = across + s.shear_damping * (m.velocity - apart * n - length * cross(spin, n));
@@ -144,35 +144,44 @@ inline BondLoad bond_load(const BondSection& s, const BondMotion& m, double time
   return load;
 }
 
-struct BondBreak {
-  bool broken = false;
-  BreakMode mode = BreakMode::tension;
-  double stress = 0.0;  ///< the one that did it [Pa]
+/// Stresses of the bond by its four loads [Pa]: F_n/A, |F_s|/A, |M_b| R/I, |M_t| R/J.
+struct BondStress {
+  double pull = 0.0, shear = 0.0, bend = 0.0, twist = 0.0;
 };
+[[gnu::always_inline]] inline BondStress bond_stress(const BondSection& s, double tension, const Bond& bond) {
+  return {.pull = tension * s.per_area,
+          .shear = std::sqrt(dot(bond.shear, bond.shear)) * s.per_area,
+          .bend = std::sqrt(dot(bond.bend, bond.bend)) * s.bend_stress,
+          .twist = std::abs(bond.twist) * 0.5 * s.bend_stress};
+}
 
-/// sigma = F_n/A + |M_b| R/I,   tau = |F_s|/A + |M_t| R/J; broken when either reaches its strength, or, combined,
-///   (max(sigma, 0)/sigma_c)^2 + (tau/tau_c)^2 >= 1.
-/// Only elastic loads count, and pressure breaks nothing. The mode is the largest share of the stress that broke it (of
-/// all four over their strengths if combined).
-inline BondBreak bond_break(const BondMaterial& material, const BondSection& s, double tension, const Bond& bond) {
-  const double pull = tension * s.per_area, bend = std::sqrt(dot(bond.bend, bond.bend)) * s.bend_stress;
-  const double shear = std::sqrt(dot(bond.shear, bond.shear)) * s.per_area;
-  const double twist = std::abs(bond.twist) * 0.5 * s.bend_stress;
-  const double tensile_strength = bond.strength * material.tensile_strength;
-  const double shear_strength = bond.strength * material.shear_strength;
-  const double by_tension = std::max(0.0, pull + bend) / tensile_strength, by_shear = (shear + twist) / shear_strength;
-  BondBreak found;
-  found.broken =
-      material.combined ? by_tension * by_tension + by_shear * by_shear >= 1.0 : by_tension >= 1.0 || by_shear >= 1.0;
-  if (!found.broken) return found;
-  const BreakMode tensile = pull >= bend ? BreakMode::tension : BreakMode::bending;
-  const BreakMode sliding = shear >= twist ? BreakMode::shear : BreakMode::torsion;
-  const bool tears = material.combined
-                         ? std::max(pull, bend) / tensile_strength >= std::max(shear, twist) / shear_strength
-                         : by_tension >= by_shear;
-  found.mode = tears ? tensile : sliding;
-  found.stress = tears ? pull + bend : shear + twist;
-  return found;
+/// The bond breaks when this reaches 1: of sigma = F_n/A + |M_b| R/I and tau = |F_s|/A + |M_t| R/J the larger over its
+/// strength, or, combined, (max(sigma, 0)/sigma_c)^2 + (tau/tau_c)^2. Dashpots count nothing, pressure breaks nothing.
+[[gnu::always_inline]] inline double bond_overload(const BondMaterial& material, const BondSection& s, double tension,
+                                                   const Bond& bond) {
+  const BondStress stress = bond_stress(s, tension, bond);
+  const double per_strength = 1.0 / bond.strength, sigma = stress.pull + stress.bend;
+  const double tears = (sigma > 0.0 ? sigma : 0.0) * per_strength / material.tensile_strength;
+  const double slides = (stress.shear + stress.twist) * per_strength / material.shear_strength;
+  const double worse = tears > slides ? tears : slides;
+  const double ellipse = material.combined ? 1.0 : 0.0;  // no branch: bond_rows.cpp
+  return ellipse * (tears * tears + slides * slides) + (1.0 - ellipse) * worse;
+}
+
+/// How it broke: the stress that did it [Pa], and the larger share of it (combined: the largest of all four over their
+/// strengths).
+struct BondBreak {
+  BreakMode mode = BreakMode::tension;
+  double stress = 0.0;
+};
+inline BondBreak bond_break(const BondMaterial& material, const BondStress& s) {
+  const auto worst = [&](double tensile, double shear) {
+    return tensile / material.tensile_strength >= shear / material.shear_strength;
+  };
+  const bool tears = material.combined ? worst(std::max(s.pull, s.bend), std::max(s.shear, s.twist))
+                                       : worst(s.pull + s.bend, s.shear + s.twist);
+  if (tears) return {s.pull >= s.bend ? BreakMode::tension : BreakMode::bending, s.pull + s.bend};
+  return {s.shear >= s.twist ? BreakMode::shear : BreakMode::torsion, s.shear + s.twist};
 }
 
 /// Elastic energy [J].
