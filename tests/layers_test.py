@@ -12,6 +12,7 @@ from pathlib import Path
 # folder -> folders it may include besides itself (longest prefix wins)
 ALLOWED = {
     "common": ["common"],
+    "estimation/breakage": ["common"],
     "estimation/problem": ["common"],
     "estimation/search": ["common"],
     "estimation/trust": ["common", "estimation/search"],
