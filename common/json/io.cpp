@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <optional>
-#include <set>
+#include <vector>
 
 #include "common/files.hpp"
 #include "common/json/nlohmann.hpp"
@@ -43,21 +43,85 @@ std::optional<std::size_t> too_deep(std::string_view text) {
   return std::nullopt;
 }
 
-/// A key written twice would silently lose its first value: find it while the text is read.
-struct DuplicateFinder {
-  std::vector<std::set<std::string>> open;
-  std::string found;
+/// The key that stands twice among these, if one does: it would silently lose its first value.
+const std::string* twice_in(const std::vector<Member>& members) {
+  constexpr std::size_t kFew = 24;  // up to so many, comparing all pairs is cheaper than sorting
+  if (members.size() <= kFew) {
+    for (std::size_t a = 1; a < members.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (members[a].first == members[b].first) return &members[a].first;
+    return nullptr;
+  }
+  std::vector<const std::string*> keys;
+  for (const Member& member : members) keys.push_back(&member.first);
+  std::sort(keys.begin(), keys.end(), [](const auto* a, const auto* b) { return *a < *b; });
+  const auto same = std::adjacent_find(keys.begin(), keys.end(), [](const auto* a, const auto* b) { return *a == *b; });
+  return same == keys.end() ? nullptr : *same;
+}
 
-  bool operator()(int, detail::Library::parse_event_t event, detail::Library& parsed) {
-    using Event = detail::Library::parse_event_t;
-    if (event == Event::object_start) open.emplace_back();
-    if (event == Event::object_end) open.pop_back();
-    if (event == Event::key && !open.empty()) {
-      const auto& key = parsed.get_ref<const std::string&>();
-      if (!open.back().insert(key).second && found.empty()) found = key;
-    }
+/// Makes our values from what the library reads, as it reads it: in time proportional to the text.
+class Builder : public nlohmann::json_sax<detail::Library> {
+ public:
+  bool null() override { return add({}); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(value); }
+  bool number_unsigned(number_unsigned_t value) override {
+    if (value > INT64_MAX) return add(static_cast<double>(value));  // beyond int64 only a double can hold it
+    return add(static_cast<std::int64_t>(value));
+  }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // not in text
+  bool start_object(std::size_t) override { return open(Value::object()); }
+  bool start_array(std::size_t) override { return open(Value::array()); }
+  bool key(string_t& name) override {
+    key_ = std::move(name);
     return true;
   }
+  bool end_object() override {
+    if (const std::string* key = twice_in(open_.back()->members()); key != nullptr && duplicate_.empty())
+      duplicate_ = *key;
+    return end_array();
+  }
+  bool end_array() override {
+    open_.pop_back();
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&, const detail::Library::exception& fault) override {
+    is_syntax_ = dynamic_cast<const detail::Library::parse_error*>(&fault) != nullptr;
+    byte_ = byte;
+    fault_ = fault.what();
+    return false;
+  }
+
+  Value take() { return std::move(root_); }
+  const std::string& duplicate() const { return duplicate_; }  ///< a key that stands twice; empty: none
+  const std::string& fault() const { return fault_; }          ///< what the library says
+  bool is_syntax() const { return is_syntax_; }                ///< the fault is one of syntax, and has a place
+  std::size_t byte() const { return byte_; }
+
+ private:
+  /// While a list or object is open nothing is added beside it, so a pointer to it stays good.
+  Value& place(Value value) {
+    if (open_.empty()) return root_ = std::move(value);
+    Value& into = *open_.back();
+    if (into.is_array()) return into.items().emplace_back(std::move(value));
+    return into.members().emplace_back(std::move(key_), std::move(value)).second;
+  }
+  bool add(Value value) {
+    place(std::move(value));
+    return true;
+  }
+  bool open(Value value) {
+    open_.push_back(&place(std::move(value)));
+    return true;
+  }
+
+  Value root_;
+  std::vector<Value*> open_;
+  std::string key_, duplicate_, fault_;
+  std::size_t byte_ = 0;
+  bool is_syntax_ = false;
 };
 
 }  // namespace
@@ -66,20 +130,17 @@ Result<Value> parse(std::string_view text, std::string_view name) {
   if (const auto byte = too_deep(text))
     return Error{
         fmt::format("{}: its brackets nest too deep at {}. A bracket may be missing.", name, place(text, *byte))};
-  try {
-    DuplicateFinder duplicates;
-    const auto parsed = detail::Library::parse(text, std::ref(duplicates));
-    if (!duplicates.found.empty())
-      return Error{
-          fmt::format("{}: the key \"{}\" stands twice in one object. Remove one of them.", name, duplicates.found)};
-    return detail::from_library(parsed);
-  } catch (const detail::Library::parse_error& fault) {
-    std::string reason = fault.what();
+  Builder builder;
+  if (!detail::Library::sax_parse(text, &builder)) {
+    if (!builder.is_syntax()) return Error{fmt::format("{}: not valid JSON: {}.", name, builder.fault())};
+    std::string reason = builder.fault();
     if (const auto colon = reason.find("syntax error"); colon != std::string::npos) reason = reason.substr(colon);
-    return Error{fmt::format("{}: not valid JSON at {}: {}.", name, place(text, fault.byte), reason)};
-  } catch (const detail::Library::exception& fault) {
-    return Error{fmt::format("{}: not valid JSON: {}.", name, fault.what())};
+    return Error{fmt::format("{}: not valid JSON at {}: {}.", name, place(text, builder.byte()), reason)};
   }
+  if (!builder.duplicate().empty())
+    return Error{
+        fmt::format("{}: the key \"{}\" stands twice in one object. Remove one of them.", name, builder.duplicate())};
+  return builder.take();
 }
 
 Result<Value> read_file(const fs::path& file) {

@@ -209,6 +209,38 @@ TEST_F(Connections, CarryManyMessagesBothWaysInOrder) {
   EXPECT_FALSE(caller->send(json::Value::object({{"n", std::string(kLargestPayload, 'x')}}))) << "too long";
 }
 
+TEST_F(Connections, ThatSendTooMuchWaitAndLoseNothingAndOthersAreServed) {
+  constexpr std::int64_t kAll = 260'000, kMostInASecond = 200'000, kMostInAFrame = kLargestPayload / 9;  // {"n":0},
+  std::int64_t taken = 0, taken_when_served = -1;
+  const auto listener = Listener::listen(loop, "127.0.0.1", secret, [&](Channel& channel) -> Listener::Guest {
+                          if (channel.name() == "flood")
+                            return {[&](const json::Value& message) {
+                                      EXPECT_EQ(message.integer_or("n", -1), taken);
+                                      ++taken;
+                                    },
+                                    {}};
+                          return {[&](const json::Value&) { taken_when_served = taken; }, {}};
+                        }).value();
+  std::optional<Channel> flood, quiet;
+  flood.emplace(loop, connect_tcp({"127.0.0.1"}, listener->port(), 1.0).value(),
+                Handshake::call(secret, Role::agent, "flood"),
+                Channel::Events{[&] {
+                                  for (std::int64_t n = 0; n < kAll; ++n) flood->send(json::Value::object({{"n", n}}));
+                                },
+                                [](const json::Value&) {},
+                                [](const std::string& why) { FAIL() << why; }});
+  run_until([&] { return taken > kMostInASecond / 2; });
+  const double begin = loop.now();
+  quiet.emplace(loop, connect_tcp({"127.0.0.1"}, listener->port(), 1.0).value(),
+                Handshake::call(secret, Role::agent, "quiet"),
+                Channel::Events{[&] { quiet->send(json::Value::object({{"n", 1}})); }, [](const json::Value&) {},
+                                [](const std::string& why) { FAIL() << why; }});
+  run_until([&] { return taken_when_served >= 0; });
+  EXPECT_LE(taken_when_served, kMostInASecond + kMostInAFrame);
+  run_until([&] { return taken == kAll; });
+  EXPECT_GE(loop.now() - begin, 0.5) << "held back for a second";
+}
+
 TEST_F(Connections, OfStrangersAreClosedAndNobodyIsTold) {
   int welcomed = 0;
   const auto listener = Listener::listen(loop, "127.0.0.1", secret, [&](Channel&) -> Listener::Guest {
