@@ -8,9 +8,11 @@
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
+#include "controller/commands/estimate.hpp"
 #include "controller/commands/run_sweep.hpp"
 #include "controller/commands/session.hpp"
 #include "controller/report/report.hpp"
+#include "controller/run/campaign_estimation.hpp"
 #include "controller/run/collect.hpp"
 #include "controller/run/progress.hpp"
 #include "controller/run/provenance.hpp"
@@ -69,8 +71,16 @@ Result<CampaignResults> finish(Session& session, const run::FileHandover& handov
 Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   run::FileHandover handover(session.campaign, session.dir, program_folder());
   run::Progress progress(session.loop, session.dir, quiet);
+  std::unique_ptr<run::CampaignEstimation> estimation;
+  if (session.campaign.estimation) {
+    estimation = std::make_unique<run::CampaignEstimation>(session.campaign, session.dir, program_folder(), handover,
+                                                           *session.pilot, session.journal, progress.watcher().note);
+    handover.adopt_with([&estimation](json::Value pbm_case, const coupling::StartBurst& start) {
+      return estimation->adopted(std::move(pbm_case), start);
+    });
+  }
   run::CampaignRun campaign_run(run::coupling_settings(session.campaign), handover, *session.pilot, session.loop,
-                                session.journal, progress.watcher());
+                                session.journal, progress.watcher(), estimation.get());
   session.pilot->on_idle([&] {
     if (campaign_run.ended() || campaign_run.failure() || session.pilot->failure()) session.loop.stop();
   });
@@ -82,7 +92,10 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
       return json::Value::object({{"stopping", true}});
     }
     json::Value answer = session.pilot->answer(request);
-    if (request.text_or("ask", "") == "status") answer.set("coupling", coupling::to_json(campaign_run.state()));
+    if (request.text_or("ask", "") == "status") {
+      answer.set("coupling", coupling::to_json(campaign_run.state()));
+      if (estimation) answer.set("estimation", estimation->status());
+    }
     return answer;
   }));
   GRANARY_CHECK(campaign_run.begin());
@@ -129,7 +142,8 @@ Result<Exit> run_tasks(Session& session, bool json) {
 
 Result<Exit> run_session(Session& session, bool json, bool quiet) {
   using campaign::Kind;
-  const auto exit = session.campaign.kind == Kind::tasks   ? run_tasks(session, json)
+  const auto exit = is_estimate(session)                   ? run_estimate(session, json, quiet)
+                    : session.campaign.kind == Kind::tasks ? run_tasks(session, json)
                     : session.campaign.kind == Kind::sweep ? run_sweep(session, json, quiet)
                                                            : run_coupled(session, json, quiet);
   if (exit && *exit == Exit::stopped) session.submit_next_job();

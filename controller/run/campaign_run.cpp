@@ -10,16 +10,19 @@ using namespace coupling;
 namespace {
 constexpr const char* kEvent = "coupling.event";
 constexpr const char* kDecision = "coupling.decision";
+
+bool came_to_its_end(const State& state) { return state.ended == End::How::steady || state.ended == End::How::limit; }
 }  // namespace
 
 CampaignRun::CampaignRun(Settings settings, Handover& handover, pilot::Pilot& pilot, pilot::EventLoop& loop,
-                         pilot::Journal& journal, Watcher watcher)
+                         pilot::Journal& journal, Watcher watcher, Companion* companion)
     : settings_(settings),
       handover_(handover),
       pilot_(pilot),
       loop_(loop),
       journal_(journal),
-      watcher_(std::move(watcher)) {
+      watcher_(std::move(watcher)),
+      companion_(companion) {
   pilot_.on_end([this](const pilot::TaskEnd& end) { task_ended(end); });
 }
 
@@ -36,15 +39,23 @@ Status CampaignRun::begin() {
          {program_name(state_.burst, state_.attempt), monitor_name(state_.burst, state_.attempt)})
       if (const auto id = pilot_.find(name)) pilot_.stop(*id, "the campaign was resumed");
   }
+  if (companion_ != nullptr) GRANARY_CHECK(companion_->begin(state_));
   later(begun ? Event(Resumed{}) : Event(Began{}));
+  if (came_to_its_end(state_)) loop_.post([this] { finish(); });
   return {};
 }
 
-void CampaignRun::ask_stop(const std::string& message) { later(StopAsked{message}); }
+void CampaignRun::ask_stop(const std::string& message) {
+  if (!finishing_) return later(StopAsked{message});
+  finishing_ = false;
+  cut_short_ = true;
+  pilot_.stop_all(message);
+}
 
 Exit CampaignRun::exit() const {
   if (failure_) return failure_->exit;
   if (!state_.ended) return Exit::internal;
+  if (cut_short_) return Exit::stopped;
   switch (*state_.ended) {
     case End::How::steady:
     case End::How::limit:
@@ -80,6 +91,8 @@ void CampaignRun::handle(const Event& event) {
     watcher_.action(action);
     act(action);
   }
+  // Later: what the actions have begun comes first.
+  if (companion_ != nullptr) loop_.post([this, event] { companion_->told(event, state_); });
 }
 
 void CampaignRun::act(const Action& action) {
@@ -137,11 +150,27 @@ void CampaignRun::act_on(const coupling::Exchange& exchange) {
   return summary ? later(PbmExchanged{exchange.burst, exchange.attempt, *summary}) : failed(summary.error());
 }
 
-void CampaignRun::act_on(const End& end) { pilot_.stop_all(end.why.message); }
+void CampaignRun::act_on(const End& end) {
+  if (companion_ != nullptr && came_to_its_end(state_)) return finish();
+  pilot_.stop_all(end.why.message);
+}
+
+void CampaignRun::finish() {
+  if (companion_ == nullptr) return;
+  finishing_ = true;
+  companion_->finish(state_, [this] {
+    if (!finishing_) return;
+    finishing_ = false;
+    pilot_.stop_all(state_.why_ended.message);
+  });
+}
 
 void CampaignRun::task_ended(const pilot::TaskEnd& end) {
   const auto role = roles_.find(end.name);
-  if (role == roles_.end()) return;
+  if (role == roles_.end()) {
+    if (companion_ != nullptr) companion_->task_ended(end);
+    return;
+  }
   role->second.monitor ? monitor_ended(role->second, end) : program_ended(role->second, end);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "controller/coupling/update.hpp"
+#include "controller/run/companion.hpp"
 #include "controller/run/handover.hpp"
 #include "pilot/pilot.hpp"
 
@@ -17,13 +18,14 @@ namespace granary::run {
 struct Watcher {
   std::function<void(const coupling::Event&)> event = [](const coupling::Event&) {};
   std::function<void(const coupling::Action&)> action = [](const coupling::Action&) {};
+  std::function<void(const std::string&)> note = [](const std::string&) {};  ///< a line for people
 };
 
 class CampaignRun {
  public:
-  /// All must outlive the run. The pilot's on_end is taken.
+  /// All must outlive the run. The pilot's on_end is taken. `companion` may be none.
   CampaignRun(coupling::Settings settings, Handover& handover, pilot::Pilot& pilot, pilot::EventLoop& loop,
-              pilot::Journal& journal, Watcher watcher = {});
+              pilot::Journal& journal, Watcher watcher = {}, Companion* companion = nullptr);
 
   /// Begins, or goes on where the journal ends. Then the loop drives everything.
   Status begin();
@@ -31,7 +33,8 @@ class CampaignRun {
   void ask_stop(const std::string& message);
 
   const coupling::State& state() const { return state_; }
-  bool ended() const { return state_.phase == coupling::Phase::ended; }
+  /// The coupling is over, and its companion is done.
+  bool ended() const { return state_.phase == coupling::Phase::ended && !finishing_; }
   /// ok (steady, limit) | stopped | task_failed; internal while it has not ended.
   Exit exit() const;
   /// The journal cannot be written any more (a full disk): the run was stopped.
@@ -52,6 +55,7 @@ class CampaignRun {
   void act_on(const coupling::AskMonitor& ask);
   void act_on(const coupling::Exchange& exchange);
   void act_on(const coupling::End& end);
+  void finish();
   void task_ended(const pilot::TaskEnd& end);
   void program_ended(const Role& role, const pilot::TaskEnd& end);
   void monitor_ended(const Role& role, const pilot::TaskEnd& end);
@@ -62,8 +66,11 @@ class CampaignRun {
   pilot::EventLoop& loop_;
   pilot::Journal& journal_;
   Watcher watcher_;
+  Companion* companion_;
   coupling::State state_;
   std::map<std::string, Role> roles_;  ///< by task name, of the tasks of this life
+  bool finishing_ = false;             ///< the coupling is over, its companion is not
+  bool cut_short_ = false;             ///< the companion was stopped before it was done
   std::optional<Error> failure_;
 };
 

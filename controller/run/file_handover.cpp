@@ -142,8 +142,13 @@ Result<pilot::TaskSpec> FileHandover::prepare_pbm(const coupling::StartBurst& st
     burst.initial.clear();
     burst.restart = pbm::Restart{fs::path("..") / start.restart->folder() / "out.h5", start.restart_time};
   }
-  GRANARY_CHECK(json::write_file(folder(start.burst) / "case.json", pbm::to_json(burst)));
+  json::Value document = pbm::to_json(burst);
+  if (adoption_) document = adoption_(std::move(document), start);
+  GRANARY_CHECK(json::write_file(folder(start.burst) / "case.json", document));
+  return pbm_task();
+}
 
+pilot::TaskSpec FileHandover::pbm_task() const {
   pilot::TaskSpec task;
   task.command = {(programs_ / "granary-pbm").string(),  "run", "case.json", "--out", "out.h5", "--threads",
                   std::to_string(campaign_->pbm.threads)};

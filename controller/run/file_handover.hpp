@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "controller/campaign/campaign.hpp"
 #include "controller/coupling/exchange.hpp"
@@ -23,6 +24,12 @@ class FileHandover final : public Handover {
   Result<coupling::DemSummary> carry_dem(const coupling::Exchange& exchange) override;
   Result<coupling::PbmSummary> carry_pbm(const coupling::Exchange& exchange) override;
 
+  /// A last word on the case of each PBM burst: what an estimation puts into it.
+  using Adoption = std::function<json::Value(json::Value pbm_case, const coupling::StartBurst& start)>;
+  void adopt_with(Adoption adoption) { adoption_ = std::move(adoption); }
+
+  /// granary-pbm on the case.json of its folder, with the workflow's ranks and threads; without name and folder.
+  pilot::TaskSpec pbm_task() const;
   /// The rates a DEM burst gave, measured anew from its tallies.
   Result<coupling::MeasuredRates> rates_of(const coupling::BurstId& dem_burst) const;
 
@@ -36,6 +43,7 @@ class FileHandover final : public Handover {
   const campaign::Campaign* campaign_;
   std::filesystem::path dir_;
   std::filesystem::path programs_;
+  Adoption adoption_;
 };
 
 /// The workflow's settings in the coupling's words.

@@ -32,7 +32,8 @@ Progress::Progress(pilot::EventLoop& loop, std::filesystem::path dir, bool quiet
     : loop_(loop), dir_(std::move(dir)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 Watcher Progress::watcher() {
-  return {[this](const coupling::Event& each) { event(each); }, [this](const coupling::Action& each) { action(each); }};
+  return {[this](const coupling::Event& each) { event(each); }, [this](const coupling::Action& each) { action(each); },
+          [this](const std::string& line) { say(line); }};
 }
 
 void Progress::finish() {

@@ -178,6 +178,8 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
   const OwnedFd err_owner(err);
   request.dir = launch.dir.string();
   request.cpus = state_->cpus_of(launch.cores);
+  // The controller carries results over, monitors read and mpirun waits on the cores that fillers fill.
+  request.background = launch.spec.fill;
   request.stdout_fd = out;
   request.stderr_fd = one_file ? out : err;
   GRANARY_TRY(const Spawned process, spawn(request));

@@ -29,6 +29,7 @@ struct Child {
   char* const* env;
   const char* dir;
   const cpu_set_t* cpus;
+  bool background;
   int in, out, err;
   Stage failed = Stage::none;
   int code = 0;
@@ -51,6 +52,7 @@ int run_child(void* argument) {
   if (setpgid(0, 0) < 0) return fail(child, Stage::group);
   if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0)
     return fail(child, Stage::affinity);
+  if (child->background) (void)setpriority(PRIO_PROCESS, 0, 19);
   if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);
   if (dup2(child->in, 0) < 0 || dup2(child->out, 1) < 0 || dup2(child->err, 2) < 0) return fail(child, Stage::files);
   // Whatever a library of ours has left open is none of the program's business.
@@ -120,6 +122,7 @@ Result<Spawned> spawn(const SpawnRequest& request) {
               env.data(),
               request.dir.empty() ? nullptr : request.dir.c_str(),
               request.cpus.empty() ? nullptr : &cpus,
+              request.background,
               or_null(request.stdin_fd),
               or_null(request.stdout_fd),
               or_null(request.stderr_fd)};
