@@ -135,8 +135,9 @@ double solid_fraction(const Agglomerate& agglomerate) {
 Agglomerate pack_ball(int n, double sphere_diameter, double ball_diameter, std::uint64_t seed) {
   constexpr std::uint64_t kStarts = 20;
   constexpr double kGrowth = 1.005;
-  const double wanted = 0.5 * (ball_diameter / sphere_diameter - 1.0);  // of the centres, in sphere diameters
-  double reach = std::max(n > 1 ? 0.5 : 0.0, wanted);
+  constexpr double kDensest = 0.7;  // no ball of up to 1000 equal spheres is known to be fuller
+  const double least = n > 1 ? std::max(2.0, std::cbrt(n / kDensest)) : 1.0;
+  double reach = 0.5 * (std::max(least, ball_diameter / sphere_diameter) - 1.0);  // of the centres, in sphere diameters
   for (std::uint64_t start = 0;; ++start) {
     if (start > 0 && start % kStarts == 0) reach *= kGrowth;
     std::uint64_t number = 0;
