@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -34,23 +35,31 @@ Vector3 point_in_ball(std::uint64_t seed, std::uint64_t stream, std::uint64_t& n
 
 // Pushes centres apart to distance 1 within a ball of this radius; whether that succeeded.
 bool push_apart(std::vector<Vector3>& centres, double reach) {
-  constexpr int kSweeps = 3000;
+  constexpr int kSweeps = 3000, kPatience = 200;            // sweeps without a gain: it is jammed
   constexpr double kGoal = 1.0 + 1e-6, kDone = 1.0 + 1e-9;  // a little more than asked for, so that it ends
+  double least = std::numeric_limits<double>::infinity();
+  int gained = 0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    bool apart = true;
+    double overlaps = 0.0;
     for (std::size_t a = 1; a < centres.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
         const Vector3 away = centres[a] - centres[b];
         const double distance2 = dot(away, away);
         if (distance2 >= kDone * kDone) continue;
-        apart = false;
         const double distance = std::sqrt(distance2), push = 0.5 * (kGoal - distance);
         const Vector3 unit = distance > 0.0 ? (1.0 / distance) * away : Vector3{1, 0, 0};
+        overlaps += push;
         centres[a] = centres[a] + push * unit;
         centres[b] = centres[b] - push * unit;
       }
     }
-    if (apart) return true;
+    if (overlaps == 0.0) return true;
+    if (overlaps < 0.99 * least) {
+      least = overlaps;
+      gained = sweep;
+    } else if (sweep - gained > kPatience) {
+      return false;
+    }
     for (Vector3& centre : centres)
       if (const double far = norm(centre); far > reach) centre = (reach / far) * centre;
   }
