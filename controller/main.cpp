@@ -21,6 +21,7 @@ Examples:
   granary run workflows/quick.json                      run here, in runs/quick
   granary run workflows/cm5.json --dry-run --nodes 4 --cores 64
   granary run workflows/quick.json --set /pbm/bins=[32,32] --set '/machine/impeller_speed="1500 rpm"'
+  granary estimate workflows/estimate_twin.json         parameters from data, without a DEM
   granary watch runs/quick       granary serve runs/quick
   granary status runs/quick      granary stop runs/quick      granary resume runs/quick
 
@@ -52,6 +53,20 @@ int main(int argc, char** argv) {
   run->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
   run->add_flag("-q,--quiet", options.quiet, "No progress");
   run->callback([&] { chosen = [&] { return commands::run(options); }; });
+
+  auto* estimate = app.add_subcommand("estimate", "Fit parameters of the population balance to data, without a DEM");
+  estimate->footer(
+      "\nExamples:\n  granary estimate workflows/estimate_twin.json\n"
+      "  granary estimate workflows/estimate_twin.json --set '/estimation/method=\"cma-es\"' --dir runs/other\n"
+      "  granary resume runs/estimate_twin     go on after a stop or a kill (docs/estimation.md)");
+  estimate->add_option("workflow", options.workflow, "The workflow, with a section \"estimation\"")->required();
+  estimate->add_option("--dir", options.dir, "Run directory (default: runs/NAME)");
+  estimate->add_option("--cores", options.cores, "Cores (of a node) to use (default: the workflow's, else all)")
+      ->check(CLI::PositiveNumber);
+  estimate->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
+  estimate->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
+  estimate->add_flag("-q,--quiet", options.quiet, "No progress");
+  estimate->callback([&] { chosen = [&] { return commands::estimate(options); }; });
 
   auto* submit = app.add_subcommand("submit", "Run a workflow as one job of Slurm, or go on with a campaign that way");
   submit->add_option("workflow", options.workflow, "The workflow, or the run directory of a campaign")->required();
@@ -97,6 +112,16 @@ int main(int argc, char** argv) {
       ->add_option("task", task, "Its name, such as 0001-dem")
       ->required();
   on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
+
+  commands::KernelCommand kernel_command;
+  auto* kernel = app.add_subcommand("kernel", "A breakage kernel from a sweep of resolved breakage (docs/breakage.md)");
+  kernel->add_option("dir", kernel_command.dir, "Run directory of the sweep")->required();
+  kernel->add_option(
+      "--held-out", kernel_command.held_out,
+      "A case (0007) or a value of a setting (\"200 rpm\") that is not fitted, only compared (may be repeated)");
+  kernel->add_option("--from", kernel_command.from, "Leave out what breaks before this time [s]");
+  kernel->add_flag("--json", kernel_command.json, "Print one JSON document on stdout and nothing else");
+  kernel->callback([&] { chosen = [&] { return commands::kernel(kernel_command); }; });
 
   fs::path task_file;
   auto* task_command = app.add_subcommand("task", "Tasks of a running campaign");

@@ -45,6 +45,8 @@ struct DemBenchOptions {
 };
 
 Result<Exit> run(const RunOptions& options);
+/// The workflow's section "estimation" alone, on all cores.
+Result<Exit> estimate(const RunOptions& options);
 Result<Exit> dry_run(const RunOptions& options);
 Result<Exit> resume(const std::filesystem::path& dir, bool json, bool quiet, int virtual_nodes);
 /// `options.workflow`: a workflow, or the folder of a campaign to go on with.
@@ -66,5 +68,14 @@ Result<Exit> report(const std::filesystem::path& dir);
 Result<Exit> bench_pilot(const PilotBenchOptions& options);
 Result<Exit> bench_pbm(const BenchOptions& options);
 Result<Exit> bench_dem(const DemBenchOptions& options);
+
+struct KernelCommand {
+  std::filesystem::path dir;          ///< of a sweep of a DEM with agglomerates, over or not
+  std::vector<std::string> held_out;  ///< cases, or values of settings, that are only compared
+  double from = 0.0;                  ///< [s]
+  bool json = false;
+};
+/// DIR/kernel: a breakage kernel made of the sweep's fragments, and how well a balance with it does.
+Result<Exit> kernel(const KernelCommand& command);
 
 }  // namespace granary::commands
