@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <atom.h>
 #include <comm.h>
@@ -22,7 +21,6 @@
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/gather.hpp"
-#include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace granary::dem {
 namespace {
@@ -31,8 +29,6 @@ constexpr std::size_t kLoad = 6;  // a force and a torque
 // Debris of the same agglomerate is the cause of a break only if nothing else is: what smashed it goes on in its
 // pieces.
 constexpr double kOwnDebris = 1e-9;
-
-Vector3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
@@ -88,29 +84,6 @@ void FixBond::init() {
   hear_walls(true);
 }
 
-// The walls hand over each touch of each step as they push.
-void FixBond::hear_walls(bool listen) {
-  std::vector<std::string> names{"particles"};
-  for (int f = 0; f < modify->nfix; ++f) {
-    auto* wall = dynamic_cast<FixWall*>(modify->fix[f]);
-    if (!wall) continue;
-    const std::size_t first = names.size();
-    for (const std::string& name : wall->body_names()) names.push_back(name);
-    if (!listen || !watching()) {
-      wall->set_touch_listener({});
-      continue;
-    }
-    wall->set_touch_listener([this, first](std::size_t body, int particle, double depth) {
-      book_.page(static_cast<std::size_t>(particle))
-          .squeeze.note(static_cast<double>(update->ntimestep), static_cast<double>(first + body), depth,
-                        window_steps());
-    });
-  }
-  history_.set_causes(names, window_steps());
-}
-
-double FixBond::window_steps() const { return settings_.cause_window / update->dt; }
-
 void FixBond::join(int particle, double agglomerate) {
   BondPage& page = book_.page(static_cast<std::size_t>(particle));
   page.agglomerate = agglomerate;
@@ -137,24 +110,7 @@ void FixBond::setup(int) {
 
   const double wait = settings_.create - dem_time(*lmp);
   next_reneighbor = wait > 0.0 ? update->ntimestep + static_cast<long>(std::ceil(wait / update->dt - 1e-9)) : -1;
-  if (!watching()) return;
-  const FragmentSurvey now = survey();
-  if (comm->me == 0) {
-    const auto open = [](const std::string& file, std::optional<json::LineWriter>& writer) -> Status {
-      if (file.empty() || writer) return {};
-      GRANARY_TRY(writer, json::LineWriter::append_to(file));
-      return {};
-    };
-    history_.start(now);
-    Status opened = open(settings_.fragments, fragments_);
-    if (opened) opened = open(settings_.breaks, broken_);
-    end_if_failed(world, opened);
-  } else {
-    end_if_failed(world, {});
-  }
-  double last = history_.last_sample();
-  MPI_Bcast(&last, 1, MPI_DOUBLE, 0, world);
-  if (last < 0.0) sample();
+  if (watching()) start_telling();
 }
 
 void FixBond::post_force(int) {
@@ -181,9 +137,10 @@ void FixBond::post_run() {
 // The neighbour list has just been made: the numbers of the particles are new.
 void FixBond::new_list() {
   share_agglomerates();
-  make_bonds_if_due();
+  const bool made = make_bonds_if_due();
   link();
   drop_lost_partners();
+  if (made) end_if_failed(world, check_time_step());
   close_pairs_.clear();
   if (!watching()) return;
   if (fragments_old_) number_fragments();
@@ -192,28 +149,6 @@ void FixBond::new_list() {
     const bool strangers = a != b || a == 0.0;
     if (strangers || fragment_of(i) != fragment_of(j)) close_pairs_.push_back({i, j, strangers ? 1.0 : kOwnDebris});
   });
-}
-
-// Every rank has all bonds at hand and finds the same.
-void FixBond::number_fragments() {
-  fragments_old_ = false;
-  fragment_of_tag_.clear();
-  const FragmentSurvey all = survey();
-  BondGraph graph;
-  Tag largest = 0;
-  for (const auto& particle : all.particles) {
-    graph.add_particle(particle.tag);
-    largest = std::max(largest, particle.tag);
-  }
-  for (const auto& [a, b] : all.bonds) graph.add_bond(a, b);
-  fragment_of_tag_.assign(static_cast<std::size_t>(largest) + 1, 0);
-  for (const auto& fragment : graph.fragments())
-    for (const Tag tag : fragment) fragment_of_tag_[static_cast<std::size_t>(tag)] = static_cast<int>(fragment[0]);
-}
-
-int FixBond::fragment_of(int particle) const {
-  const auto tag = static_cast<std::size_t>(atom->tag[particle]);
-  return tag < fragment_of_tag_.size() ? fragment_of_tag_[tag] : 0;
 }
 
 void FixBond::share_agglomerates() {
@@ -276,14 +211,15 @@ void FixBond::drop_lost_partners() {
   link();
 }
 
-void FixBond::make_bonds_if_due() {
-  if (dem_time(*lmp) < settings_.create - 1e-6 * update->dt) return;
+bool FixBond::make_bonds_if_due() {
+  if (dem_time(*lmp) < settings_.create - 1e-6 * update->dt) return false;
   int waiting = 0;
   for (int i = 0; i < atom->nlocal && !waiting; ++i) waiting = waiting_[static_cast<std::size_t>(i)] > 0.0 ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &waiting, 1, MPI_INT, MPI_MAX, world);
-  if (!waiting) return;
+  if (!waiting) return false;
   make_bonds();
   fragments_old_ = true;
+  return true;
 }
 
 void FixBond::make_bonds() {
@@ -375,7 +311,7 @@ void FixBond::push(bool frozen) {
         broke = true;
         continue;
       }
-      double *near = numbers_of(links_[first + k].i), *far = numbers_of(links_[first + k].j);
+      double *const near = numbers_of(links_[first + k].i), *const far = numbers_of(links_[first + k].j);
       for (std::size_t d = 0; d < 3; ++d) {
         near[d] += block_.load[d][k];
         near[3 + d] += block_.load[3 + d][k];
@@ -419,99 +355,6 @@ void FixBond::break_bond(std::size_t k, double tension) {
                      .stress = how.stress});
 }
 
-// ---- what is told ----
-
-// Of two particles each gives in by half the overlap: a wall that is hard lets its particle give in by all of it. So
-// the depths compare as the forces do.
-void FixBond::look_at_pairs() {
-  const auto now = static_cast<double>(update->ntimestep);
-  const auto note = [&](int i, double depth) {
-    if (i < atom->nlocal)
-      book_.page(static_cast<std::size_t>(i)).squeeze.note(now, 0.0, depth / atom->radius[i], window_steps());
-  };
-  for (const auto& [i, j, weight] : close_pairs_) {
-    const Vector3 away = vector_of(atom->x[i]) - vector_of(atom->x[j]);
-    const double touching = atom->radius[i] + atom->radius[j], distance2 = dot(away, away);
-    if (distance2 >= touching * touching) continue;
-    const double depth = 0.5 * weight * (touching - std::sqrt(distance2));
-    note(i, depth);
-    note(j, depth);
-  }
-}
-
-void FixBond::tell_breaks() {
-  int any = breaks_.empty() ? 0 : 1;
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
-  if (!any) return;
-  fragments_old_ = true;
-
-  std::vector<double> mine;
-  for (const BreakEvent& e : breaks_)
-    mine.insert(mine.end(), {e.step, e.time, static_cast<double>(e.agglomerate), static_cast<double>(e.tag),
-                             static_cast<double>(e.far_tag), e.place[0], e.place[1], e.place[2],
-                             static_cast<double>(e.mode), e.stress});
-  breaks_.clear();
-  const std::vector<double> told = gather_all(world, mine);
-
-  mine.clear();
-  const double oldest = static_cast<double>(update->ntimestep - settings_.look) - window_steps();
-  for (int i = 0; i < atom->nlocal; ++i) {
-    const Squeeze& s = book_.page(static_cast<std::size_t>(i)).squeeze;
-    if (s.cause >= 0.0 && s.step >= oldest)
-      mine.insert(mine.end(), {static_cast<double>(atom->tag[i]), s.cause, s.depth, s.step});
-  }
-  const std::vector<double> squeezed = gather_all(world, mine);
-
-  Status written;
-  if (comm->me == 0) {
-    std::vector<BreakEvent> events;
-    for (auto v = told.begin(); v != told.end(); v += 10)
-      events.push_back({v[0],
-                        v[1],
-                        static_cast<Tag>(v[2]),
-                        static_cast<Tag>(v[3]),
-                        static_cast<Tag>(v[4]),
-                        {v[5], v[6], v[7]},
-                        static_cast<BreakMode>(static_cast<int>(v[8])),
-                        v[9]});
-    std::unordered_map<Tag, Squeeze> squeezes;
-    for (auto v = squeezed.begin(); v != squeezed.end(); v += 4) squeezes[static_cast<Tag>(v[0])] = {v[1], v[2], v[3]};
-    for (const json::Value& line : history_.break_lines(std::move(events), squeezes))
-      if (broken_ && written) written = broken_->append(line);
-  }
-  end_if_failed(world, written);
-}
-
-void FixBond::sample() {
-  const FragmentSurvey now = survey();
-  Status written;
-  if (comm->me == 0) {
-    const json::Value line = history_.sample_line(dem_time(*lmp), static_cast<double>(update->ntimestep), now);
-    if (fragments_) written = fragments_->append(line);
-  }
-  end_if_failed(world, written);
-}
-
-FragmentSurvey FixBond::survey() const {
-  std::vector<double> particles, bonds;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    const BondPage& page = book_.page(static_cast<std::size_t>(i));
-    if (page.agglomerate == 0.0) continue;
-    const double tag = atom->tag[i], *x = atom->x[i];
-    particles.insert(particles.end(), {tag, page.agglomerate, x[0], x[1], x[2], atom->radius[i]});
-    for (const Bond& bond : page.bonds) bonds.insert(bonds.end(), {tag, bond.partner});
-  }
-  FragmentSurvey all;
-  const std::vector<double> told = gather_all(world, particles), pairs = gather_all(world, bonds);
-  for (auto v = told.begin(); v != told.end(); v += 6)
-    all.particles.push_back({static_cast<Tag>(v[0]), static_cast<Tag>(v[1]), {{v[2], v[3], v[4]}, v[5]}});
-  for (auto v = pairs.begin(); v != pairs.end(); v += 2)
-    all.bonds.emplace_back(static_cast<Tag>(v[0]), static_cast<Tag>(v[1]));
-  const int periodic[3] = {domain->xperiodic, domain->yperiodic, domain->zperiodic};
-  for (std::size_t d = 0; d < 3; ++d) all.period[d] = periodic[d] ? domain->boxhi[d] - domain->boxlo[d] : 0.0;
-  return all;
-}
-
 double FixBond::compute_vector(int n) {
   const auto step = static_cast<long>(update->ntimestep);
   if (summed_step_ != step) {
@@ -527,110 +370,6 @@ double FixBond::compute_vector(int n) {
     summed_step_ = step;
   }
   return summed_[static_cast<std::size_t>(n)];
-}
-
-// ---- memory that follows the particles ----
-
-// Of a new fix LIGGGHTS would clear all particles' pages after this, also of those that just joined an agglomerate.
-void FixBond::setup_pre_exchange() {
-  just_created = false;
-  pre_exchange();
-}
-
-void FixBond::pre_exchange() {
-  rows_to_book();
-  std::size_t largest = 0;
-  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, book_.packed_size(static_cast<std::size_t>(i)));
-  comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(largest));
-}
-
-void FixBond::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }
-void FixBond::copy_arrays(int from, int to, int) {
-  rows_to_book();
-  book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
-}
-void FixBond::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
-
-int FixBond::pack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), buffer));
-}
-int FixBond::unpack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), buffer));
-}
-
-// LIGGGHTS wants the length first.
-int FixBond::pack_restart(int particle, double* buffer) {
-  rows_to_book();
-  buffer[0] = static_cast<double>(size_restart(particle));
-  book_.pack(static_cast<std::size_t>(particle), buffer + 1);
-  return size_restart(particle);
-}
-
-// Our values come after those of nth other fixes.
-void FixBond::unpack_restart(int particle, int nth) {
-  const double* values = atom->extra[particle];
-  for (int k = 0; k < nth; ++k) values += static_cast<int>(values[0]);
-  book_.unpack(static_cast<std::size_t>(particle), values + 1);
-}
-
-int FixBond::size_restart(int particle) {
-  return 1 + static_cast<int>(book_.packed_size(static_cast<std::size_t>(particle)));
-}
-
-int FixBond::maxsize_restart() {
-  int largest = 1 + static_cast<int>(BondBook::packed_size_of(0));
-  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, size_restart(i));
-  return largest;
-}
-
-void FixBond::write_restart(FILE* file) {
-  double sums[2] = {broken_here_, released_here_};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
-  if (comm->me != 0) return;
-  std::vector<double> state{grouped_ ? 1.0 : 0.0, sums[0], sums[1]};
-  const std::vector<double> history = history_.state();
-  state.insert(state.end(), history.begin(), history.end());
-  const int size = static_cast<int>(state.size() * sizeof(double));
-  fwrite(&size, sizeof size, 1, file);
-  fwrite(state.data(), sizeof(double), state.size(), file);
-}
-
-void FixBond::restart(char* state) {
-  const auto* values = reinterpret_cast<const double*>(state);
-  grouped_ = values[0] > 0.0;
-  if (comm->me != 0) return;  // rank 0 goes on with the sums of all
-  broken_here_ = values[1];
-  released_here_ = values[2];
-  history_.set_state(values + 3);
-}
-
-// ---- between ranks ----
-
-int FixBond::pack_comm(int n, int* list, double* buffer, int, int*) {
-  for (int k = 0; k < n; ++k) {
-    *buffer++ = agglomerate_[static_cast<std::size_t>(list[k])];
-    *buffer++ = waiting_[static_cast<std::size_t>(list[k])];
-  }
-  return 2;
-}
-
-void FixBond::unpack_comm(int n, int first, double* buffer) {
-  for (int k = first; k < first + n; ++k) {
-    agglomerate_[static_cast<std::size_t>(k)] = *buffer++;
-    waiting_[static_cast<std::size_t>(k)] = *buffer++;
-  }
-}
-
-int FixBond::pack_reverse_comm(int n, int first, double* buffer) {
-  std::copy_n(&numbers_[static_cast<std::size_t>(first) * n_numbers_], static_cast<std::size_t>(n) * n_numbers_,
-              buffer);
-  return static_cast<int>(n_numbers_);
-}
-
-void FixBond::unpack_reverse_comm(int n, int* list, double* buffer) {
-  for (int k = 0; k < n; ++k)
-    for (std::size_t m = 0; m < n_numbers_; ++m)
-      numbers_[static_cast<std::size_t>(list[k]) * n_numbers_ + m] += *buffer++;
 }
 
 }  // namespace granary::dem

@@ -71,7 +71,7 @@ class FixBond : public LAMMPS_NS::Fix {
   void rows_to_book();
   void drop_lost_partners();
   void share_agglomerates();
-  void make_bonds_if_due();
+  bool make_bonds_if_due();
   void make_bonds();
   Status check_time_step();
   Vector3 between(const Link& link) const;
@@ -81,12 +81,14 @@ class FixBond : public LAMMPS_NS::Fix {
   void clear_numbers(std::size_t n);
   void numbers_home();
   double* numbers_of(int particle) { return &numbers_[static_cast<std::size_t>(particle) * n_numbers_]; }
+  void start_telling();
   void number_fragments();
-  int fragment_of(int particle) const;
+  Tag fragment_of(int particle) const;
   void look_at_pairs();
   void tell_breaks();
   void sample();
   FragmentSurvey survey() const;
+  std::vector<std::pair<Tag, Tag>> all_bonds() const;
   bool watching() const { return !settings_.fragments.empty() || !settings_.breaks.empty(); }
   double window_steps() const;
 
@@ -103,7 +105,7 @@ class FixBond : public LAMMPS_NS::Fix {
     double weight;  ///< of the depth
   };
   std::vector<ClosePair> close_pairs_;  ///< of the neighbour list, not of one fragment
-  std::vector<int> fragment_of_tag_;    ///< lowest tag of the fragment, for each tag; the same on all ranks
+  std::vector<Tag> fragment_of_tag_;    ///< lowest tag of the fragment, for each tag; the same on all ranks
   bool fragments_old_ = true;           ///< bonds broke since
   std::vector<double> numbers_;         ///< n_numbers_ of each particle and ghost
   std::size_t n_numbers_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <set>
 
 namespace granary::dem {
@@ -39,6 +40,27 @@ std::vector<std::vector<Tag>> BondGraph::fragments() const {
     seen.insert(all.back().begin(), all.back().end());
   }
   return all;
+}
+
+std::vector<Tag> fragment_labels(const std::vector<std::pair<Tag, Tag>>& bonds) {
+  Tag largest = 0;
+  for (const auto& [a, b] : bonds) largest = std::max({largest, a, b});
+  std::vector<Tag> label(static_cast<std::size_t>(largest) + 1);
+  std::iota(label.begin(), label.end(), Tag{0});
+  const auto lowest = [&label](Tag tag) {
+    while (label[static_cast<std::size_t>(tag)] != tag) {
+      Tag& up = label[static_cast<std::size_t>(tag)];
+      up = label[static_cast<std::size_t>(up)];  // halves the way for the next one
+      tag = up;
+    }
+    return tag;
+  };
+  for (const auto& [a, b] : bonds) {
+    const Tag x = lowest(a), y = lowest(b);
+    label[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
+  }
+  for (Tag tag = 0; tag <= largest; ++tag) label[static_cast<std::size_t>(tag)] = lowest(tag);
+  return label;
 }
 
 std::vector<Split> splits_between(const std::vector<std::vector<Tag>>& before,

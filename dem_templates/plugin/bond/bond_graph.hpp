@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace granary::dem {
@@ -25,6 +26,10 @@ class BondGraph {
  private:
   std::map<Tag, std::vector<Tag>> neighbours_;
 };
+
+/// The lowest tag of the fragment of each tag up to the largest that is bonded; its own for a particle alone. By
+/// union-find: fast enough to be done often.
+std::vector<Tag> fragment_labels(const std::vector<std::pair<Tag, Tag>>& bonds);
 
 /// What became of a fragment of an earlier time.
 struct Split {

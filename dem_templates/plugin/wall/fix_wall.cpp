@@ -26,7 +26,6 @@
 namespace granary::dem {
 namespace {
 
-Vector3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 void add(double* to, const Vector3& v) {
   for (std::size_t d = 0; d < 3; ++d) to[d] += v[d];
 }

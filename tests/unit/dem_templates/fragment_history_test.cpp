@@ -53,6 +53,11 @@ TEST(BondGraph, FallsIntoItsFragments) {
   EXPECT_EQ(graph.fragment_of(5), (std::vector<Tag>{1, 5}));
 }
 
+TEST(BondGraph, LabelsEachParticleWithTheLowestTagOfItsFragment) {
+  EXPECT_EQ(fragment_labels({{6, 7}, {3, 5}, {5, 6}, {2, 4}}), (std::vector<Tag>{0, 1, 2, 3, 2, 3, 3, 3}));
+  EXPECT_EQ(fragment_labels({}), (std::vector<Tag>{0}));
+}
+
 TEST(Splits, NameTheDaughtersLargestFirstAndNoFragmentThatStayedWhole) {
   const auto splits = splits_between({{1, 2, 3, 4}, {5, 6}, {7}}, {{1}, {2, 3, 4}, {5, 6}, {7}});
   ASSERT_EQ(splits.size(), 1u);
