@@ -168,7 +168,9 @@ void FixBond::link() {
   links_.clear();
   rows_.clear();
   for (int i = 0; i < atom->nlocal; ++i) {
-    for (Bond& bond : book_.page(static_cast<std::size_t>(i)).bonds) {
+    std::vector<Bond>& bonds = book_.page(static_cast<std::size_t>(i)).bonds;
+    std::erase_if(bonds, [](const Bond& bond) { return bond.broken(); });
+    for (Bond& bond : bonds) {
       const int j = domain->closest_image(i, atom->map(static_cast<int>(bond.partner)));
       const BondEnd near{atom->radius[i], atom->rmass[i]};
       const BondEnd far = j < 0 ? near : BondEnd{atom->radius[j], atom->rmass[j]};
@@ -287,7 +289,7 @@ Vector3 FixBond::between(const Link& link) const { return vector_of(atom->x[link
 void FixBond::push(bool frozen) {
   summed_step_ = -1;
   rows_ahead_ = rows_ahead_ || !frozen;
-  bool broke = false;
+  std::vector<std::size_t> broken;
   clear_numbers(kLoad);
   // LIGGGHTS' arrays are whole, three by three; without particles there may be none.
   const bool any = !links_.empty();
@@ -308,7 +310,7 @@ void FixBond::push(bool frozen) {
     for (std::size_t k = 0; k < n; ++k) {
       if (block_.overload[k] >= 1.0 && !frozen) {
         break_bond(first + k, block_.tension[k]);
-        broke = true;
+        broken.push_back(first + k);
         continue;
       }
       double *const near = numbers_of(links_[first + k].i), *const far = numbers_of(links_[first + k].j);
@@ -328,14 +330,14 @@ void FixBond::push(bool frozen) {
       atom->torque[i][d] += sum[3 + d];
     }
   }
-  if (!broke) return;
-  rows_to_book();
-  for (int i = 0; i < atom->nlocal; ++i)
-    std::erase_if(book_.page(static_cast<std::size_t>(i)).bonds, [](const Bond& bond) { return bond.radius == 0.0; });
-  link();
+  for (auto k = broken.rbegin(); k != broken.rend(); ++k) {
+    links_[*k] = links_.back();
+    links_.pop_back();
+    rows_.remove(*k);
+  }
 }
 
-// A radius of 0 marks the bond as broken.
+// A radius of 0 marks the bond as broken, until the next neighbour list.
 void FixBond::break_bond(std::size_t k, double tension) {
   const auto& [i, j, bond] = links_[k];
   const BondSection section = rows_.section(k);

@@ -164,7 +164,7 @@ std::vector<std::pair<Tag, Tag>> FixBond::all_bonds() const {
   std::vector<double> mine;
   for (int i = 0; i < atom->nlocal; ++i)
     for (const Bond& bond : book_.page(static_cast<std::size_t>(i)).bonds)
-      mine.insert(mine.end(), {static_cast<double>(atom->tag[i]), bond.partner});
+      if (!bond.broken()) mine.insert(mine.end(), {static_cast<double>(atom->tag[i]), bond.partner});
   const std::vector<double> told = gather_all(world, mine);
   std::vector<std::pair<Tag, Tag>> bonds;
   for (auto v = told.begin(); v != told.end(); v += 2)

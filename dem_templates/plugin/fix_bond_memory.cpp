@@ -56,7 +56,7 @@ int FixBond::size_restart(int particle) {
 }
 
 int FixBond::maxsize_restart() {
-  int largest = 1 + static_cast<int>(BondBook::packed_size_of(0));
+  int largest = 1 + static_cast<int>(BondBook::kLeastPacked);
   for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, size_restart(i));
   return largest;
 }

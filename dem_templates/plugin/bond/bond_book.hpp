@@ -41,19 +41,25 @@ class BondBook {
   void copy(std::size_t from, std::size_t to) { pages_[to] = pages_[from]; }
   void clear(std::size_t particle) { pages_[particle] = {}; }
 
-  static std::size_t packed_size_of(std::size_t n_bonds) { return kHead + n_bonds * kDoubles; }
-  std::size_t packed_size(std::size_t particle) const { return packed_size_of(pages_[particle].bonds.size()); }
+  /// Of the bonds that have not broken.
+  std::size_t packed_size(std::size_t particle) const {
+    const std::vector<Bond>& bonds = pages_[particle].bonds;
+    return kHead + kDoubles * (bonds.size() - count_broken(bonds));
+  }
+  static constexpr std::size_t kLeastPacked = 6;
   /// Returns packed_size().
   std::size_t pack(std::size_t particle, double* buffer) const {
     const BondPage& from = pages_[particle];
-    const double head[kHead] = {static_cast<double>(from.bonds.size()),
-                                from.agglomerate,
-                                from.waiting,
-                                from.squeeze.cause,
-                                from.squeeze.depth,
-                                from.squeeze.step};
+    const auto n_bonds = static_cast<double>(from.bonds.size() - count_broken(from.bonds));
+    const double head[kHead] = {
+        n_bonds, from.agglomerate, from.waiting, from.squeeze.cause, from.squeeze.depth, from.squeeze.step};
     std::copy_n(head, kHead, buffer);
-    if (!from.bonds.empty()) std::memcpy(buffer + kHead, from.bonds.data(), from.bonds.size() * sizeof(Bond));
+    double* to = buffer + kHead;
+    for (const Bond& bond : from.bonds) {
+      if (bond.broken()) continue;
+      std::memcpy(to, &bond, sizeof bond);
+      to += kDoubles;
+    }
     return packed_size(particle);
   }
   /// Returns how many doubles were read.
@@ -67,8 +73,13 @@ class BondBook {
   }
 
  private:
-  static constexpr std::size_t kHead = 6, kDoubles = 14;
+  static constexpr std::size_t kHead = kLeastPacked, kDoubles = 14;
   static_assert(sizeof(Bond) == kDoubles * sizeof(double));
+
+  static std::size_t count_broken(const std::vector<Bond>& bonds) {
+    return static_cast<std::size_t>(
+        std::count_if(bonds.begin(), bonds.end(), [](const Bond& b) { return b.broken(); }));
+  }
 
   std::vector<BondPage> pages_;
 };

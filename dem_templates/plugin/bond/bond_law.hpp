@@ -23,13 +23,15 @@ struct BondMaterial {
 /// One bond and what it remembers. Its state is that of the last step, in the laboratory's frame.
 struct Bond {
   double partner = 0.0;   ///< tag of the end with the larger tag; the other end keeps the bond
-  double radius = 0.0;    ///< R [m]
+  double radius = 0.0;    ///< R [m]; 0: it broke
   double length = 0.0;    ///< distance of the centres at which it does not pull [m]
   double strength = 1.0;  ///< of this bond over the material's [-]
   Vector3 normal{};       ///< unit vector to the partner
   Vector3 shear{};        ///< elastic force on this end, across the normal [N]
   Vector3 bend{};         ///< elastic moment on this end, across the normal [N m]
   double twist = 0.0;     ///< elastic moment on this end, along the normal [N m]
+
+  bool broken() const { return radius == 0.0; }
 };
 
 /// What follows from radius and masses: set when the bond is looked up, the same in every step.

@@ -123,6 +123,11 @@ void BondRows::add(const Bond& bond, const BondSection& s) {
   ++size_;
 }
 
+void BondRows::remove(std::size_t k) {
+  --size_;
+  for (std::size_t c = 0; c < kColumns; ++c) column(c)[k] = column(c)[size_];
+}
+
 void BondRows::copy_state(std::size_t k, Bond& bond) const {
   for (std::size_t d = 0; d < 3; ++d) {
     bond.normal[d] = column(kNormal + d)[k];

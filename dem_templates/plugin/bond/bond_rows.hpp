@@ -27,6 +27,8 @@ class BondRows {
   void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
   void add(const Bond& bond, const BondSection& section);
+  /// The last row takes the place of row k.
+  void remove(std::size_t k);
   /// Sets the state of a bond to that of row k.
   void copy_state(std::size_t k, Bond& bond) const;
   BondSection section(std::size_t k) const;
