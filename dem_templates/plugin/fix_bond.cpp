@@ -290,6 +290,7 @@ void FixBond::push(bool frozen) {
   summed_step_ = -1;
   rows_ahead_ = rows_ahead_ || !frozen;
   std::vector<std::size_t> broken;
+  BondRows::Block& block = block_;
   clear_numbers(kLoad);
   // LIGGGHTS' arrays are whole, three by three; without particles there may be none.
   const bool any = !links_.empty();
@@ -299,26 +300,28 @@ void FixBond::push(bool frozen) {
     for (std::size_t k = 0; k < n; ++k) {
       const auto near = 3 * static_cast<std::size_t>(links_[first + k].i);
       const auto far = 3 * static_cast<std::size_t>(links_[first + k].j);
+#pragma GCC unroll 3
       for (std::size_t d = 0; d < 3; ++d) {
-        block_.motion[d][k] = x[far + d] - x[near + d];
-        block_.motion[3 + d][k] = v[far + d] - v[near + d];
-        block_.motion[6 + d][k] = spin[near + d];
-        block_.motion[9 + d][k] = spin[far + d];
+        block.motion[d][k] = x[far + d] - x[near + d];
+        block.motion[3 + d][k] = v[far + d] - v[near + d];
+        block.motion[6 + d][k] = spin[near + d];
+        block.motion[9 + d][k] = spin[far + d];
       }
     }
-    rows_.advance(settings_.material, update->dt, frozen, first, block_);
+    rows_.advance(settings_.material, update->dt, frozen, first, block);
     for (std::size_t k = 0; k < n; ++k) {
-      if (block_.overload[k] >= 1.0 && !frozen) {
-        break_bond(first + k, block_.tension[k]);
+      if (block.overload[k] >= 1.0 && !frozen) {
+        break_bond(first + k, block.tension[k]);
         broken.push_back(first + k);
         continue;
       }
       double *const near = numbers_of(links_[first + k].i), *const far = numbers_of(links_[first + k].j);
+#pragma GCC unroll 3
       for (std::size_t d = 0; d < 3; ++d) {
-        near[d] += block_.load[d][k];
-        near[3 + d] += block_.load[3 + d][k];
-        far[d] -= block_.load[d][k];
-        far[3 + d] += block_.load[6 + d][k];
+        near[d] += block.load[d][k];
+        near[3 + d] += block.load[3 + d][k];
+        far[d] -= block.load[d][k];
+        far[3 + d] += block.load[6 + d][k];
       }
     }
   }
