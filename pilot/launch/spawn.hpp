@@ -16,7 +16,7 @@ struct SpawnRequest {
   std::vector<std::string> env;  ///< KEY=VALUE, all of it
   std::string dir;               ///< working folder; empty: ours
   std::vector<int> cpus;         ///< the operating system's CPU numbers to run on; empty: ours
-  bool background = false;       ///< at the lowest priority (nice 19): whatever else wants its CPUs goes first
+  bool background = false;       ///< at our priority lowered by 19 (nice): whatever else wants its CPUs goes first
   int stdin_fd = -1;             ///< -1: /dev/null
   int stdout_fd = -1;            ///< -1: /dev/null, as for stderr
   int stderr_fd = -1;
