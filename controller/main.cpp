@@ -111,7 +111,13 @@ int main(int argc, char** argv) {
   on_folder("explain", "Why a task waits, what it did, what it cost", [&] { return commands::explain(dir, task); })
       ->add_option("task", task, "Its name, such as 0001-dem")
       ->required();
-  on_folder("report", "results.h5 -> report.html", [&] { return commands::report(dir); });
+  fs::path figures;
+  std::string prefix;
+  auto* report =
+      on_folder("report", "results.h5 -> report.html; of a sweep from its cases' folders, also before its end",
+                [&] { return commands::report(dir, figures, prefix); });
+  report->add_option("--figures", figures, "Of a sweep: also draw its figures into this folder, as SVG");
+  report->add_option("--prefix", prefix, "Of the names of those files");
 
   commands::KernelCommand kernel_command;
   auto* kernel = app.add_subcommand("kernel", "A breakage kernel from a sweep of resolved breakage (docs/breakage.md)");

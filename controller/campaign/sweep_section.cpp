@@ -149,6 +149,8 @@ void read_sweep(json::Reader& root, Campaign& campaign, json::Problems& problems
   if (!reader.has("grid") && !reader.has("cases"))
     reader.problem("grid", "there is nothing to sweep: neither a grid nor a list of cases.",
                    R"(Add for example "grid": [{"setting": "/pbm/bins", "values": [16, 32]}].)");
+  else if (sweep.cases.empty() && problems.empty())
+    reader.problem("grid", "it makes no case.", "Give at least one setting with one value.");
   reader.done();
   make_names_distinct(sweep);
   for (std::size_t i = 0; i < sweep.cases.size(); ++i) {

@@ -64,7 +64,8 @@ Result<Exit> stop(const std::filesystem::path& dir);
 Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
 /// Queues the tasks of a file with the pilot that lives on `dir`; prints their names.
 Result<Exit> submit_tasks(const std::filesystem::path& dir, const std::filesystem::path& file);
-Result<Exit> report(const std::filesystem::path& dir);
+/// report.html; of a sweep also its figures as FIGURES/PREFIXname.svg, if a folder for them is given.
+Result<Exit> report(const std::filesystem::path& dir, const std::filesystem::path& figures, const std::string& prefix);
 Result<Exit> bench_pilot(const PilotBenchOptions& options);
 Result<Exit> bench_pbm(const BenchOptions& options);
 Result<Exit> bench_dem(const DemBenchOptions& options);

@@ -112,12 +112,13 @@ Result<Exit> explain(const fs::path& dir, const std::string& task) {
   return Exit::ok;
 }
 
-Result<Exit> report(const fs::path& dir) {
+Result<Exit> report(const fs::path& dir, const fs::path& figures, const std::string& prefix) {
   const fs::path written = dir / "campaign.json";
   if (fs::exists(written)) {
     GRANARY_TRY(const json::Value document, json::read_file(written));
-    if (document["understood"].text_or("kind", "") == "sweep") return report_sweep(dir);
+    if (document["understood"].text_or("kind", "") == "sweep") return report_sweep(dir, figures, prefix);
   }
+  if (!figures.empty()) return Error{"--figures is for sweeps; the figures of this campaign are in its report.html."};
   GRANARY_CHECK(report::write_report(dir / "results.h5", dir / "report.html"));
   fmt::print("{}\n", (dir / "report.html").string());
   return Exit::ok;

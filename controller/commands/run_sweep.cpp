@@ -8,7 +8,7 @@
 #include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "controller/commands/past.hpp"
-#include "controller/run/summary.hpp"
+#include "controller/report/gnuplot.hpp"
 #include "controller/sweep/cases.hpp"
 #include "controller/sweep/outcome.hpp"
 #include "controller/sweep/page.hpp"
@@ -71,11 +71,15 @@ Result<Exit> run_sweep(Session& session, bool json, bool quiet) {
   return summary.exit;
 }
 
-Result<Exit> report_sweep(const fs::path& dir) {
+Result<Exit> report_sweep(const fs::path& dir, const fs::path& figures, const std::string& prefix) {
   const fs::path absolute = fs::absolute(dir).lexically_normal();
   GRANARY_TRY(const auto past, past_of(absolute));
   GRANARY_TRY(const auto results, sweep::collect(past->campaign, absolute, *past->pilot));
   GRANARY_CHECK(sweep::write_results(results, absolute, true));
+  if (!figures.empty()) {
+    report::GnuplotPlotter gnuplot;
+    GRANARY_CHECK(sweep::write_figures(results, gnuplot, figures, prefix));
+  }
   fmt::print("{}\n", (absolute / "report.html").string());
   return Exit::ok;
 }

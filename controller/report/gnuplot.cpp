@@ -94,4 +94,10 @@ Result<std::vector<std::string>> GnuplotPlotter::draw(const std::vector<Plot>& p
   return drawings;
 }
 
+std::string as_file(std::string svg) {
+  if (svg.find("xmlns=") == std::string::npos)
+    svg.insert(std::string_view("<svg").size(), " xmlns=\"http://www.w3.org/2000/svg\"");
+  return svg;
+}
+
 }  // namespace granary::report

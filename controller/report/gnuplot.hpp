@@ -24,4 +24,7 @@ std::string gnuplot_input(const std::vector<Plot>& plots);
 /// own, no size but its view box. Errors: fewer or more drawings than plots.
 Result<std::vector<std::string>> split_drawings(std::string_view printed, const std::vector<Plot>& plots);
 
+/// An <svg> element as a file by itself.
+std::string as_file(std::string svg);
+
 }  // namespace granary::report

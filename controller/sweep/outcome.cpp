@@ -110,10 +110,6 @@ Status read_pbm(const fs::path& folder, CaseResult& one) {
   return {};
 }
 
-std::string text_of(const json::Value& value) {
-  return value.is_null() ? "" : value.is_string() ? value.as_string() : json::dump(value);
-}
-
 void add_cost(const pilot::Pilot& pilot, const SweepCase& from, CaseResult& one) {
   one.state = "waiting";
   const auto id = pilot.find(task_name(from));

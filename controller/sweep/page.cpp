@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <optional>
 
@@ -97,14 +96,6 @@ report::Figure over_time(const SweepResults& results, const std::string& name, c
   return {title, "", {plot_id("time", name), 620, 360, report::line_plot_script(plot)}, "no case has it"};
 }
 
-/// "300 rpm" -> 300; nothing if it does not begin with a number.
-std::optional<double> leading_number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (end == text.c_str()) return std::nullopt;
-  return value;
-}
-
 /// A figure at the end of each case, over the last of the settings; a line for each combination of the others.
 report::Figure over_setting(const SweepResults& results, const std::string& name, const std::string& title) {
   LinePlot plot;
@@ -157,14 +148,36 @@ std::string table_of(const SweepResults& results) {
   return report::table(columns, rows);
 }
 
+std::vector<report::Figure> figures_over_setting(const SweepResults& results) {
+  std::vector<report::Figure> figures;
+  for (const auto& [name, title] : kShown)
+    if (has_figure(results, name)) figures.push_back(over_setting(results, name, title));
+  return figures;
+}
+
+std::vector<report::Figure> figures_over_time(const SweepResults& results) {
+  std::vector<report::Figure> figures;
+  for (const auto& [name, title] : kShown)
+    if (has_curve(results, name)) figures.push_back(over_time(results, name, title));
+  return figures;
+}
+
 }  // namespace
 
+Status write_figures(const SweepResults& results, report::Plotter& plotter, const fs::path& folder,
+                     const std::string& prefix) {
+  std::vector<report::Plot> plots;
+  for (const auto& figures : {figures_over_setting(results), figures_over_time(results)})
+    for (const report::Figure& figure : figures)
+      if (!figure.plot.script.empty()) plots.push_back(figure.plot);
+  GRANARY_TRY(const auto drawn, plotter.draw(plots));
+  GRANARY_CHECK(make_folders(folder));
+  for (std::size_t i = 0; i < plots.size(); ++i)
+    GRANARY_CHECK(write_text_atomically(folder / (prefix + plots[i].id + ".svg"), report::as_file(drawn[i])));
+  return {};
+}
+
 Result<std::string> page(const SweepResults& results, report::Plotter& plotter) {
-  std::vector<report::Figure> settings, times;
-  for (const auto& [name, title] : kShown) {
-    if (has_figure(results, name)) settings.push_back(over_setting(results, name, title));
-    if (has_curve(results, name)) times.push_back(over_time(results, name, title));
-  }
   double cpu = 0.0;
   long finished = 0;
   for (const CaseResult& one : results.cases) cpu += one.cpu, finished += one.state == "finished";
@@ -180,8 +193,8 @@ Result<std::string> page(const SweepResults& results, report::Plotter& plotter) 
                             header,
                             cards,
                             {{"cases", "Cases", "Cases", report::panel(table_of(results)), {}},
-                             {"settings", "What the settings do", "Settings", "", std::move(settings)},
-                             {"time", "Over time", "Time", "", std::move(times)}}},
+                             {"settings", "What the settings do", "Settings", "", figures_over_setting(results)},
+                             {"time", "Over time", "Time", "", figures_over_time(results)}}},
                            plotter);
 }
 

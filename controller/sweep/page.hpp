@@ -13,6 +13,10 @@ namespace granary::sweep {
 /// Errors: those of the plotter.
 Result<std::string> page(const SweepResults& results, report::Plotter& plotter);
 
+/// The figures of the page as SVG files "PREFIXtime-d50-m.svg". Errors: those of the plotter; a full disk.
+Status write_figures(const SweepResults& results, report::Plotter& plotter, const std::filesystem::path& folder,
+                     const std::string& prefix);
+
 /// sweep.json, sweep.csv, results.h5 and, if asked for, report.html (with gnuplot). Errors: a full disk; no gnuplot.
 Status write_results(const SweepResults& results, const std::filesystem::path& dir, bool with_page);
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
+#include "common/json/io.hpp"
 #include "common/results/hdf5_file.hpp"
 
 namespace granary::sweep {
@@ -89,6 +91,17 @@ std::vector<std::string> figure_names(const SweepResults& results) {
     for (const Figure& figure : one.figures)
       if (std::find(names.begin(), names.end(), figure.name) == names.end()) names.push_back(figure.name);
   return names;
+}
+
+std::string text_of(const json::Value& value) {
+  return value.is_null() ? "" : value.is_string() ? value.as_string() : json::dump(value);
+}
+
+std::optional<double> leading_number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str()) return std::nullopt;
+  return value;
 }
 
 json::Value to_json(const SweepResults& results) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,11 @@ double figure_of(const CaseResult& one, const std::string& name);
 const Curve* curve_of(const CaseResult& one, const std::string& name);
 /// Names of the figures that any case has, in the order they first come.
 std::vector<std::string> figure_names(const SweepResults& results);
+
+/// A value of a setting as the table shows it: a text without its quotes; "" of null.
+std::string text_of(const json::Value& value);
+/// "300 rpm" -> 300; nothing if the text does not begin with a number.
+std::optional<double> leading_number(const std::string& text);
 
 json::Value to_json(const SweepResults& results);
 /// One line a case: settings, state, wall_s, cpu_s, figures.
