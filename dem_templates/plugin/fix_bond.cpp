@@ -56,7 +56,7 @@ FixBond::FixBond(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, 
 FixBond::~FixBond() {
   atom->delete_callback(id, 0);
   atom->delete_callback(id, 1);
-  hear_walls(false);
+  leave_walls();
 }
 
 int FixBond::setmask() {
@@ -81,7 +81,7 @@ void FixBond::init() {
   for (int f = 0; f < modify->nfix; ++f)
     if (const auto* other = dynamic_cast<FixBond*>(modify->fix[f]); other && other != this)
       refuse("there may be only one fix granary/bond.");
-  hear_walls(true);
+  if (watching()) hear_walls();
 }
 
 void FixBond::join(int particle, double agglomerate) {

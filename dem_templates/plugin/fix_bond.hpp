@@ -19,6 +19,8 @@
 
 namespace granary::dem {
 
+class FixWall;
+
 class FixBond : public LAMMPS_NS::Fix {
  public:
   FixBond(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg);
@@ -64,7 +66,8 @@ class FixBond : public LAMMPS_NS::Fix {
   };
 
   [[noreturn]] void refuse(const std::string& why) const;
-  void hear_walls(bool listen);
+  void hear_walls();
+  void leave_walls();
   void new_list();
   void link();
   /// Brings the state of the rows home to the particles' pages, before these move.
@@ -112,7 +115,8 @@ class FixBond : public LAMMPS_NS::Fix {
 
   std::vector<BreakEvent> breaks_;                  ///< of this rank, not told yet
   double broken_here_ = 0.0, released_here_ = 0.0;  ///< bonds; [J]
-  FragmentHistory history_;                         ///< on rank 0
+  std::vector<FixWall*> heard_;
+  FragmentHistory history_;  ///< on rank 0
   std::optional<json::LineWriter> fragments_, broken_;
   long summed_step_ = -1;
   std::vector<double> summed_;

@@ -19,17 +19,15 @@
 namespace granary::dem {
 
 // The walls hand over each touch of each step as they push.
-void FixBond::hear_walls(bool listen) {
+void FixBond::hear_walls() {
   std::vector<std::string> names{"particles"};
+  heard_.clear();
   for (int f = 0; f < modify->nfix; ++f) {
     auto* wall = dynamic_cast<FixWall*>(modify->fix[f]);
     if (!wall) continue;
     const std::size_t first = names.size();
     for (const std::string& name : wall->body_names()) names.push_back(name);
-    if (!listen || !watching()) {
-      wall->set_touch_listener({});
-      continue;
-    }
+    heard_.push_back(wall);
     wall->set_touch_listener([this, first](std::size_t body, int particle, double depth) {
       book_.page(static_cast<std::size_t>(particle))
           .squeeze.note(static_cast<double>(update->ntimestep), static_cast<double>(first + body), depth,
@@ -37,6 +35,13 @@ void FixBond::hear_walls(bool listen) {
     });
   }
   history_.set_causes(names, window_steps());
+}
+
+// The walls may be gone before.
+void FixBond::leave_walls() {
+  for (int f = 0; f < modify->nfix; ++f)
+    for (FixWall* wall : heard_)
+      if (modify->fix[f] == wall) wall->set_touch_listener({});
 }
 
 double FixBond::window_steps() const { return settings_.cause_window / update->dt; }

@@ -89,11 +89,17 @@ TEST(Bond, ABrickThatFallsOnAPlateBreaksTheSameWayForTheSameSeed) {
   EXPECT_GE(causes["floor"], causes["particles"] + causes["none"]);
 }
 
+// The state of two ranks goes on on one.
 TEST(Bond, GivesTheSameOnTwoRanksAsOnOne) {
   const Folder one, two;
-  const auto alone = frames_of(one, Brick{}.text() + run(400, 100));
-  const auto shared = frames_of(two, Brick{.more = "processors 2 1 1\n"}.text() + run(400, 100), 2);
+  const std::string end = run(400, 100) + "write_restart middle\n";
+  const auto alone = frames_of(one, Brick{}.text() + end);
+  const auto shared = frames_of(two, Brick{.more = "processors 2 1 1\n"}.text() + end, 2);
   EXPECT_LT(difference(alone, shared), 1e-9);
+
+  const Brick goes_on{.state = "middle"};
+  EXPECT_LT(difference(frames_of(one, goes_on.text() + run(400, 100)), frames_of(two, goes_on.text() + run(400, 100))),
+            1e-6);
   EXPECT_GT(lines(one, "breaks.jsonl").size(), 10u);
   expect_same_story(one, two, 1e-6);
 }
