@@ -143,6 +143,7 @@ void FixBond::new_list() {
   if (made) end_if_failed(world, check_time_step());
   close_pairs_.clear();
   if (!watching()) return;
+  if (made) history_.start(survey());
   if (fragments_old_) number_fragments();
   for_each_listed_pair(*lmp, [this](int i, int j, std::size_t) {
     const double a = agglomerate_[static_cast<std::size_t>(i)], b = agglomerate_[static_cast<std::size_t>(j)];
@@ -162,6 +163,14 @@ void FixBond::share_agglomerates() {
   comm->forward_comm_fix(this);
 }
 
+// LIGGGHTS' map ends at the largest tag there is, and goes on naming places of particles that were lost.
+int FixBond::place_of(double tag) const {
+  if (tag > atom->map_tag_max) return -1;
+  const int place = atom->map(static_cast<int>(tag));
+  const bool there = place >= 0 && place < atom->nlocal + atom->nghost && atom->tag[place] == static_cast<int>(tag);
+  return there ? place : -1;
+}
+
 // A bond is kept by the end with the lower tag, on the rank where that one lives.
 void FixBond::link() {
   rows_to_book();
@@ -171,7 +180,7 @@ void FixBond::link() {
     std::vector<Bond>& bonds = book_.page(static_cast<std::size_t>(i)).bonds;
     std::erase_if(bonds, [](const Bond& bond) { return bond.broken(); });
     for (Bond& bond : bonds) {
-      const int j = domain->closest_image(i, atom->map(static_cast<int>(bond.partner)));
+      const int j = domain->closest_image(i, place_of(bond.partner));
       const BondEnd near{atom->radius[i], atom->rmass[i]};
       const BondEnd far = j < 0 ? near : BondEnd{atom->radius[j], atom->rmass[j]};
       links_.push_back({i, j, &bond});
@@ -197,7 +206,7 @@ void FixBond::drop_lost_partners() {
 
   double far_away = 0.0;
   for (const double tag : gather_all(world, missing)) {
-    const int here = atom->map(static_cast<int>(tag));
+    const int here = place_of(tag);
     if (here >= 0 && here < atom->nlocal) far_away = tag;
   }
   MPI_Allreduce(MPI_IN_PLACE, &far_away, 1, MPI_DOUBLE, MPI_MAX, world);
@@ -209,7 +218,7 @@ void FixBond::drop_lost_partners() {
                     update->ntimestep, static_cast<long>(far_away)));
   for (int i = 0; i < atom->nlocal; ++i)
     std::erase_if(book_.page(static_cast<std::size_t>(i)).bonds,
-                  [this](const Bond& bond) { return atom->map(static_cast<int>(bond.partner)) < 0; });
+                  [this](const Bond& bond) { return place_of(bond.partner) < 0; });
   link();
 }
 

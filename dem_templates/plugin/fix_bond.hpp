@@ -69,6 +69,8 @@ class FixBond : public LAMMPS_NS::Fix {
   void hear_walls();
   void leave_walls();
   void new_list();
+  /// Of the particle with this tag on this rank, or its ghost; -1: not here.
+  int place_of(double tag) const;
   void link();
   /// Brings the state of the rows home to the particles' pages, before these move.
   void rows_to_book();

@@ -130,16 +130,48 @@ TEST(Bond, HoldsAcrossAPeriodicBoundary) {
   for (const auto& [tag, p] : frames.back()) EXPECT_LT(length(p.force), 1e-6);
 }
 
-TEST(Bond, AreMadeAtTheTimeAskedFor) {
+TEST(Bond, SaysWhenABondReachesFartherThanRanksTellEachOther) {
+  const Folder folder;
+  const std::string deck = bond_head({.time_step = 2e-5, .more = "processors 2 1 1\n"}) + Bonds{}.fix() + chain(1) +
+                           "fix stay clamped move linear -10 0 0\nfix pull tip move linear 10 0 0\nrun 200\n";
+  EXPECT_EQ(run_deck(folder, deck, 2), 2);
+  EXPECT_NE(folder.read("err").find("reaches farther than the ranks tell each other"), std::string::npos)
+      << folder.read("err");
+}
+
+TEST(Bond, LeavesWithItsParticle) {
   const Folder folder;
   Bonds bonds;
-  bonds.more += " create 1e-3 fragments fragments.jsonl every 100";
-  ASSERT_EQ(run_deck(folder, bond_head({}) + bonds.fix() + cube(2, 0.0) + kIntegrate + "run 400\n"), 0)
+  bonds.more += " fragments fragments.jsonl every 1000 breaks breaks.jsonl";
+  ASSERT_EQ(run_deck(folder, bond_head({.time_step = 2e-5}) + bonds.fix() + chain(5) + kIntegrate +
+                                 "velocity all set 1 NULL NULL units box\nregion end block 0.03 0.06 INF INF INF INF "
+                                 "units box\nfix outlet all granary/outlet region end\n"
+                                 "thermo_modify lost ignore norm no\nrun 1000\n"),
+            0)
+      << folder.read("err");
+  const json::Value last = lines(folder, "fragments.jsonl").back();
+  EXPECT_LT(last["bonds"].as_integer(), 4);
+  EXPECT_GT(last["bonds"].as_integer(), 0);
+  EXPECT_EQ(last["broken"].as_integer(), 0);
+  EXPECT_EQ(last["fragments"].as_integer(), 1);
+  EXPECT_EQ(last["splits"].size(), 0u);
+  EXPECT_TRUE(lines(folder, "breaks.jsonl").empty());
+}
+
+TEST(Bond, AreMadeAtTheTimeAskedFor) {
+  // Eight spheres that fly apart: no bond holds them for long.
+  const Folder folder;
+  Bonds bonds{.tensile_strength = 1e3, .shear_strength = 1e3};
+  bonds.more += " create 1e-3 fragments fragments.jsonl every 100 breaks breaks.jsonl";
+  ASSERT_EQ(run_deck(folder, bond_head({}) + bonds.fix() + cube(2, 0.1) + kIntegrate + "run 400\n"), 0)
       << folder.read("err");
   const auto samples = lines(folder, "fragments.jsonl");
   EXPECT_EQ(samples[1]["bonds"].as_integer(), 0);
   EXPECT_EQ(samples[2]["bonds"].as_integer(), 12);
   EXPECT_EQ(samples[2]["step"].as_integer(), 200);
+  const auto breaks = lines(folder, "breaks.jsonl");
+  ASSERT_GT(breaks.size(), 3u);
+  EXPECT_EQ(breaks[0]["fragment_spheres"].as_integer(), 8);
 }
 
 TEST(Bond, SaysWhatIsWrong) {
