@@ -60,9 +60,10 @@ void print(const sweep::BreakageKernel& kernel, const std::vector<sweep::Resolve
                fmt::format("{}", fmt::join(cases[i].values, ", ")), 1e3 * comparisons[i].dem_d50.back(),
                1e3 * comparisons[i].pbm_d50.back(), 100.0 * comparisons[i].mean_error(),
                100.0 * comparisons[i].last_error(), cases[i].trained ? "" : "held out");
-  fmt::print("d50 over time: mean error {:.1f} % of the fitted cases, {:.1f} % of those held out\n{}\n",
-             100.0 * mean_error(cases, comparisons, true), 100.0 * mean_error(cases, comparisons, false),
-             folder.string());
+  fmt::print("d50 over time: mean error {:.1f} % of the fitted cases", 100.0 * mean_error(cases, comparisons, true));
+  if (const double held_out = mean_error(cases, comparisons, false); std::isfinite(held_out))
+    fmt::print(", {:.1f} % of those held out", 100.0 * held_out);
+  fmt::print("\n{}\n", folder.string());
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ using campaign::Sweep;
 using campaign::SweepCase;
 
 constexpr long kEnoughForALaw = 30;  // splits of a cause
+constexpr double kPrior = 3.0;       // of the exponents: wide beside what the counts know
 
 /// A repetition is no condition.
 bool is_seed(const std::string& pointer) { return pointer.ends_with("/seed"); }
@@ -47,7 +48,12 @@ Result<ResolvedCase> read_resolved(const SweepCase& from, const fs::path& folder
   return one;
 }
 
-/// The settings that are positive numbers, and of which the trained cases have several.
+bool broke(const ResolvedCase& one) {
+  return std::any_of(one.records.begin(), one.records.end(),
+                     [](const estimation::SizeRecord& record) { return record.all_splits() > 0; });
+}
+
+/// The settings that are positive numbers, and of which the trained cases in which anything broke have several.
 std::vector<std::size_t> conditions(const Campaign& campaign, const std::vector<ResolvedCase>& cases) {
   std::vector<std::size_t> known;
   for (std::size_t k = 0; k < campaign.sweep.settings.size(); ++k) {
@@ -57,7 +63,7 @@ std::vector<std::size_t> conditions(const Campaign& campaign, const std::vector<
     for (const ResolvedCase& one : cases) {
       const auto value = leading_number(one.values[k]);
       numbers = numbers && value && *value > 0.0;
-      if (value && one.trained) values.insert(*value);
+      if (value && one.trained && broke(one)) values.insert(*value);
     }
     if (numbers && values.size() > 1) known.push_back(k);
   }
@@ -85,7 +91,7 @@ Result<estimation::SelectionLaw> law_of(const std::vector<ResolvedCase>& cases, 
       if (one.trained && record.exposure > 0.0)
         counts.push_back({features_of(record.mean_size, one.spheres, one.ln_setting), record.exposure,
                           static_cast<double>(splits_by(record, causes))});
-  return estimation::fit_selection_law(counts);
+  return estimation::fit_selection_law(counts, kPrior);
 }
 
 /// Causes by name, those with too few splits together as "others".

@@ -36,7 +36,7 @@ Rate SelectionLaw::at(const std::vector<double>& features) const {
   return {std::exp(mean), std::exp(mean - spread), std::exp(mean + spread)};
 }
 
-Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts) {
+Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts, double prior) {
   const auto n = static_cast<Eigen::Index>(counts.size());
   const auto m = static_cast<Eigen::Index>(counts.empty() ? 0 : counts.front().features.size());
   if (n < m || m == 0) return Error{fmt::format("{} counts are too few for a law of {} coefficients.", n, m)};
@@ -54,10 +54,13 @@ Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts)
   Eigen::VectorXd eta = ((events.array() + 0.1) / exposure.array()).log().matrix();
   Eigen::VectorXd c = Eigen::VectorXd::Zero(m), mean(n);
   Eigen::MatrixXd information(m, m);
+  Eigen::VectorXd penalty = Eigen::VectorXd::Constant(m, 1.0 / (prior * prior));
+  penalty(0) = 0.0;
+  const Eigen::MatrixXd penalties = penalty.asDiagonal();
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     mean = (exposure.array() * eta.array().min(50.0).max(-50.0).exp()).matrix();
     const Eigen::VectorXd z = eta + ((events - mean).array() / mean.array()).matrix();
-    information = x.transpose() * mean.asDiagonal() * x;
+    information = x.transpose() * mean.asDiagonal() * x + penalties;
     Eigen::FullPivLU<Eigen::MatrixXd> solver(information);
     solver.setThreshold(1e-10);
     if (solver.rank() < m)
@@ -69,7 +72,7 @@ Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts)
     if (change < 1e-10) break;
   }
   mean = (exposure.array() * eta.array().exp()).matrix();
-  information = x.transpose() * mean.asDiagonal() * x;
+  information = x.transpose() * mean.asDiagonal() * x + penalties;
   const double pearson = ((events - mean).array().square() / mean.array()).sum();
   SelectionLaw law;
   law.dispersion = n > m ? std::max(1.0, pearson / static_cast<double>(n - m)) : 1.0;

@@ -1,7 +1,7 @@
 // How often fragments are split: a rate from counts with its interval, and a law over size and settings fitted to many.
 #pragma once
 
-#include <array>
+#include <limits>
 #include <vector>
 
 #include "common/result.hpp"
@@ -32,7 +32,10 @@ struct SelectionLaw {
 
 /// The law of greatest likelihood for Poisson counts, by iterated least squares. Errors: fewer counts than features; no
 /// event at all; features that say the same (a coefficient the counts do not know).
+/// @param prior  standard deviation of a normal prior about 0 on every coefficient but the first: where a size never
+///               breaks, or a setting was never changed, it keeps the law finite. Infinite: none.
 /// Source: P. McCullagh, J. A. Nelder, Generalized Linear Models, 2nd ed., 1989, sections 2.5 and 6.2.
-Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts);
+Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts,
+                                       double prior = std::numeric_limits<double>::infinity());
 
 }  // namespace granary::estimation

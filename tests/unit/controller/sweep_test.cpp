@@ -75,7 +75,7 @@ TEST(Sweep, OfADemHoldsAgglomeratesAndAStepThatTheirBondsBear) {
   EXPECT_DOUBLE_EQ(one.duration, 0.1);
   EXPECT_GT(one.time_step, 1e-7);
   const Campaign stiff = read("sweep_dem.json", {"/agglomerates/bonds/normal_stiffness=1e11 N/m^3"});
-  EXPECT_LT(stiff.sweep.cases[0].understood->dem_case.time_step, 0.2 * one.time_step);
+  EXPECT_LT(stiff.sweep.cases[0].understood->dem_case.time_step, 0.3 * one.time_step);
 }
 
 TEST(Sweep, SaysEverythingThatIsWrongAtOnce) {
@@ -194,7 +194,7 @@ TEST(BreakageKernelOfASweep, HasTheRatesAndDaughtersThatItsCasesHad) {
 
   ASSERT_TRUE(kernel) << kernel.error().message;
   const auto slow = kernel->table(cases[0]), fast = kernel->table(cases[1]);
-  EXPECT_NEAR(slow.rate.back(), 0.1, 0.005);  // 10 of 1000 in 0.1 s
+  EXPECT_NEAR(slow.rate.back(), 0.1, 0.01);  // 10 of 1000 in 0.1 s
   EXPECT_NEAR(fast.rate.back() / slow.rate.back(), 2.0, 0.1);
   ASSERT_EQ(slow.daughters.back().size(), 1u);
   EXPECT_EQ(slow.daughters.back()[0].share, 0.5);

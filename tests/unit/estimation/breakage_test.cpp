@@ -128,6 +128,16 @@ TEST(SelectionLaw, SaysWhatItCannotKnow) {
   EXPECT_FALSE(fit_selection_law({}));
 }
 
+TEST(SelectionLaw, StaysFiniteWithAPriorWhereASizeNeverBreaks) {
+  const std::vector<CountedEvents> counts{{{1.0, 0.0}, 100.0, 50.0}, {{1.0, -1.0}, 100.0, 0.0}};
+
+  const auto law = fit_selection_law(counts, 3.0);
+
+  ASSERT_TRUE(law) << law.error().message;
+  EXPECT_NEAR(law->at({1.0, 0.0}).value, 0.5, 0.02);
+  EXPECT_LT(law->at({1.0, -1.0}).value, 0.02);
+}
+
 TEST(Daughters, KeepAllOfTheParentWhateverTheSplits) {
   const FragmentHistory history = simulated(power_law, 100, 37, 2.0, 0.1, 3);
   std::vector<Split> splits;
