@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dem_templates/plugin/bond/agglomerate.hpp"
 #include "dem_templates/plugin/bond/bond_rows.hpp"
 #include "dem_templates/plugin/bond/stability.hpp"
 #include "dem_templates/plugin/bond/strength.hpp"
@@ -156,6 +157,64 @@ TEST(BondStiffness, BoundsTheHighestFrequencyOfTwoSpheresFromAboveNotFar) {
   EXPECT_NEAR(BondStiffness::frequency2(numbers, end) / (2.0 * s.normal / end.mass), 1.0, 1e-6);
   EXPECT_NEAR(longest_bond_step(1e10, 0.0), 2e-5, 1e-18);
   EXPECT_LT(longest_bond_step(1e10, 0.3), 1.5e-5);
+}
+
+// The highest frequency of a whole agglomerate, by iterating with its own law; the bound is that of its worst particle.
+TEST(BondStiffness, BoundsTheHighestFrequencyOfAnAgglomerateFromAboveByHalfAtMost) {
+  const Agglomerate spheres = pack_ball(37, 1.2e-3, 5e-3, 7);
+  const BondMaterial material{.normal_stiffness = 5e9, .shear_stiffness = 2.29e9};
+  const BondEnd end{6e-4, 1500.0 * 4.0 / 3.0 * M_PI * std::pow(6e-4, 3)};
+  const double inertia = 0.4 * end.mass * end.radius * end.radius;
+  const BondSection section = bond_section(material, 0.96 * 6e-4, end, end);
+  std::vector<std::pair<std::size_t, std::size_t>> bonds;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    for (std::size_t j = i + 1; j < spheres.size(); ++j)
+      if (norm(spheres[j].centre - spheres[i].centre) < 1.26e-3) bonds.emplace_back(i, j);
+
+  std::vector<std::array<double, BondStiffness::kNumbers>> numbers(spheres.size());
+  for (const auto& [i, j] : bonds) {
+    const Vector3 d = spheres[j].centre - spheres[i].centre, n = (1.0 / norm(d)) * d;
+    BondStiffness::add(section, n, 0.5 * norm(d), numbers[i].data());
+    BondStiffness::add(section, n, 0.5 * norm(d), numbers[j].data());
+  }
+  double bound2 = 0.0;
+  for (const auto& own : numbers) bound2 = std::max(bound2, BondStiffness::frequency2(own.data(), end));
+
+  struct Mode {
+    Vector3 shift{}, turn{};
+  };
+  std::vector<Mode> mode(spheres.size());
+  for (std::size_t k = 0; k < mode.size(); ++k)
+    mode[k] = {{std::sin(3.0 * static_cast<double>(k)), std::cos(5.0 * static_cast<double>(k)), 0.3}, {0, 100, 200}};
+  double frequency2 = 0.0;
+  for (int round = 0; round < 400; ++round) {
+    std::vector<Mode> next(mode.size());
+    for (const auto& [i, j] : bonds) {
+      const Vector3 d = spheres[j].centre - spheres[i].centre;
+      Bond bond{.radius = 0.96 * 6e-4, .length = norm(d), .normal = (1.0 / norm(d)) * d};
+      const double tiny = 1e-9;
+      const BondMotion motion{.between = d + tiny * (mode[j].shift - mode[i].shift),
+                              .spin = tiny / kDt * mode[i].turn,
+                              .far_spin = tiny / kDt * mode[j].turn};
+      const BondLoad load = bond_load(section, motion, kDt, false, false, bond);
+      next[i].shift = next[i].shift - (1.0 / tiny / end.mass) * load.force;
+      next[j].shift = next[j].shift + (1.0 / tiny / end.mass) * load.force;
+      next[i].turn = next[i].turn - (1.0 / tiny / inertia) * load.torque;
+      next[j].turn = next[j].turn - (1.0 / tiny / inertia) * load.far_torque;
+    }
+    double before = 0.0, size2 = 0.0;
+    const double weight = inertia / end.mass;
+    for (std::size_t k = 0; k < mode.size(); ++k) {
+      before += dot(mode[k].shift, mode[k].shift) + weight * dot(mode[k].turn, mode[k].turn);
+      size2 += dot(next[k].shift, next[k].shift) + weight * dot(next[k].turn, next[k].turn);
+    }
+    frequency2 = std::sqrt(size2 / before);
+    const double scale = 1.0 / std::sqrt(size2);
+    for (std::size_t k = 0; k < mode.size(); ++k) mode[k] = {scale * next[k].shift, scale * next[k].turn};
+  }
+  const double ratio = std::sqrt(bound2 / frequency2);
+  EXPECT_GE(ratio, 1.0);
+  EXPECT_LT(ratio, 1.6);  // found: 1.53
 }
 
 TEST(BondStrength, DependsOnItsTwoTagsAloneAndHasMeanOne) {
