@@ -13,8 +13,8 @@ namespace granary::dem {
 /// The energy of a bond is at most that of its two ends alone, with 2 K_n and 7 K_s against a displacement, 2 K_bend
 /// and 2 K_twist and 7/2.5 K_s a^2 against a rotation (a sum of four terms, squared, is at most the sum of their
 /// squares over shares that add up to one: 1/7 for each displacement, 2.5/7 for each rotation at 2/5 m r^2). So the
-/// highest frequency of the whole is at most the largest of any particle by itself: rigorous, and some per cent above
-/// it.
+/// highest frequency of the whole is at most the largest of any particle by itself: rigorous. It is
+/// exact for a pair, 1.5 times the highest frequency for a packing: room for the contacts, which may be stiffer still.
 struct BondStiffness {
   static constexpr std::size_t kNumbers = 12;  ///< two symmetric matrices: xx yy zz xy xz yz
 
