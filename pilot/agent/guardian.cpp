@@ -108,6 +108,8 @@ class Guardian {
 
   void beat() {
     if (channel_) say();
+    // A worker that somebody stopped would keep its node looking alive and idle: go on. To any other it is nothing.
+    if (worker_) ::kill(worker_->pid, SIGCONT);
     if (loop_.now() - heard_ > kLease) {
       // The pilot may start our tasks elsewhere from now on.
       log::warning("agent",

@@ -111,6 +111,21 @@ TEST_F(Agents, AreStartedAnewWhenTheyDieAndEndWhatTheyLeft) {
   EXPECT_EQ(processes_of_tasks(dir()), 0);
 }
 
+TEST_F(Agents, ThatAreStoppedGoOnWithinASecondAndNothingIsLost) {
+  write(honest_tasks(12, 0.3));
+  start(2);
+  wait_for_done(2);
+  for (int round = 0; round < 3; ++round) {
+    kill(agent_of(dir(), "node1").worker, SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+
+  EXPECT_EQ(end(), 0);
+  expect_each_finished_once(dir(), 12);
+  EXPECT_TRUE(times_of(dir(), "node.lost").empty());
+  EXPECT_TRUE(times_of(dir(), "task.lost").empty());
+}
+
 TEST_F(Agents, EndTheirTasksWhenThePilotIsKilledAndTheNextPilotGoesOn) {
   write(honest_tasks(15, 0.4));
   start(3);
