@@ -85,7 +85,7 @@ class FixBond : public LAMMPS_NS::Fix {
   /// n numbers of each particle and ghost, to which bonds add; then those of the ghosts are sent home.
   void clear_numbers(std::size_t n);
   void numbers_home();
-  double* numbers_of(int particle) { return &numbers_[static_cast<std::size_t>(particle) * n_numbers_]; }
+  double* numbers_of(int particle) { return numbers_.data() + static_cast<std::size_t>(particle) * n_numbers_; }
   void start_telling();
   void number_fragments();
   Tag fragment_of(int particle) const;

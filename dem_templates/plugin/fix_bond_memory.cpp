@@ -100,7 +100,7 @@ void FixBond::unpack_comm(int n, int first, double* buffer) {
 }
 
 int FixBond::pack_reverse_comm(int n, int first, double* buffer) {
-  std::copy_n(&numbers_[static_cast<std::size_t>(first) * n_numbers_], static_cast<std::size_t>(n) * n_numbers_,
+  std::copy_n(numbers_.data() + static_cast<std::size_t>(first) * n_numbers_, static_cast<std::size_t>(n) * n_numbers_,
               buffer);
   return static_cast<int>(n_numbers_);
 }

@@ -76,15 +76,21 @@ TEST(Bond, BearsAChopperAt10000Rpm) {
 }
 
 TEST(Bond, BearsAnAgglomerateThatTouchesABladeFromTheStart) {
-  // As in a file: two spheres lean into a standing blade by 3 % of their radius.
+  // As in a file: two spheres lean by 3 % of their radius into a blade that turns towards them.
   const Folder folder;
+  folder.write("blade.stl", stl(box({-0.011, -0.0006, 0.001}, {0.011, 0.0006, 0.012})));
   folder.write("touching.json", R"({"format": "granary-agglomerates-1", "agglomerates": [{"spheres_m":
-      [[0, 0, 0.000582, 0.0006], [0.0012, 0, 0.000582, 0.0006], [0.0006, 0.00104, 0.0006, 0.0006],
-       [0.0006, 0.00035, 0.00158, 0.0006]]}]})");
+      [[0.005, 0.001182, 0.006, 0.0006], [0.0062, 0.001182, 0.006, 0.0006],
+       [0.0056, 0.001242, 0.00704, 0.0006], [0.0056, 0.002222, 0.00635, 0.0006]]}]})");
   const auto frames = frames_of(
-      folder,
-      Agglomerates{.strength = 1e7, .speed = 0.0, .where = "file touching.json", .after = run(4000, 500)}.text());
-  EXPECT_LT(fastest(frames), 1.5);
+      folder, Agglomerates{.strength = 1e7,
+                           .speed = 0.0,
+                           .walls = "plane floor 0 0 0 0 0 1 mesh blade blade.stl rotate blade 0 0 0 0 0 1 rpm 1000",
+                           .where = "file touching.json",
+                           .after = run(4000, 500)}
+                  .text());
+  EXPECT_LT(fastest(frames), 3.0);
+  EXPECT_GT(frames.back().at(1).v[1], 0.1);
   EXPECT_EQ(lines(folder, "fragments.jsonl").back()["bonds"].as_integer(), 6);
 }
 
