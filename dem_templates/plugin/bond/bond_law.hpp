@@ -77,9 +77,9 @@ struct BondMotion {
 };
 
 struct BondLoad {
-  Vector3 force{};               ///< on this end; the other bears the opposite [N]
-  Vector3 torque{}, far_torque;  ///< on this end and the other, about their centres [N m]
-  double tension = 0.0;          ///< elastic force along the normal, negative when pressed [N]
+  Vector3 force{};                 ///< on this end; the other bears the opposite [N]
+  Vector3 torque{}, far_torque{};  ///< on this end and the other, about their centres [N m]
+  double tension = 0.0;            ///< elastic force along the normal, negative when pressed [N]
 };
 
 /// A turn by a small rotation vector, lengths kept: R v = v + 2/(1 + t^2) (t x v + t x (t x v)), t = tan(|a|/2) a/|a|.
