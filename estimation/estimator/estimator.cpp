@@ -162,21 +162,27 @@ struct Estimator::State {
     return settings.seed + 1000003ULL * (static_cast<std::uint64_t>(version) + 64 * returns);
   }
 
-  /// The best points, none of them next to another.
+  /// The best points, the best one first, none of them next to another. Those of the version before that nobody has
+  /// come to try in this one (it was short) are still the best known.
   std::vector<Point> best_points(std::size_t count) {
     std::stable_sort(known.begin(), known.end(), [](const Known& a, const Known& b) { return a.cost < b.cost; });
     std::vector<Point> points;
-    for (const Known& k : known) {
-      if (points.size() == count) break;
-      if (std::all_of(points.begin(), points.end(), [&](const Point& p) { return distance(p, k.at) > kNearBy; }))
-        points.push_back(k.at);
-    }
+    const auto is_new = [](const auto& list, const Point& at) {
+      return std::all_of(list.begin(), list.end(), [&](const Point& p) { return distance(p, at) > kNearBy; });
+    };
+    std::vector<Point> tried;
+    for (const Known& k : known) tried.push_back(k.at);
+    for (const Point& at : remembered)
+      if (points.size() < count && is_new(tried, at)) points.push_back(at);
+    for (const Point& at : tried)
+      if (points.size() < count && is_new(points, at)) points.push_back(at);
     return points;
   }
 
   void change(Problem to, int v) {
     GRANARY_ASSERT(to.parameters.size() == problem.parameters.size());
     const auto points = best_points(static_cast<std::size_t>(2 * dimensions() + 4));
+    remembered = points;
     again.assign(points.rbegin(), points.rend());
     problem = std::move(to);
     version = v;
@@ -199,7 +205,8 @@ struct Estimator::State {
   int version;
   Phase phase = Phase::search;
   std::unique_ptr<Search> search;
-  std::vector<Point> again;                ///< best points of the version before, the best one last
+  std::vector<Point> remembered;           ///< best points of the version before, the best one first
+  std::vector<Point> again;                ///< those of them still to be tried, the best one last
   std::optional<Differences> differences;  ///< from phase uncertainty on
   Uncertainty uncertainty;                 ///< from phase posterior on
   std::optional<Posterior> posterior;      ///< likewise

@@ -21,7 +21,7 @@ struct Settings {
 };
 
 /// search: for the best fit; uncertainty: differences about it; posterior: a sample of what else fits; done: intervals
-/// of 200 effective samples, or most_evaluations.
+/// of 400 effective samples, or most_evaluations.
 enum class Phase { search, uncertainty, posterior, done };
 std::string name_of(Phase phase);
 

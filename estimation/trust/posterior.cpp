@@ -17,6 +17,10 @@ namespace {
 
 constexpr double kFreedom = 5.0;  // tails heavier than the posterior's, or rare samples would weigh too much
 constexpr double kWiden = 1.2;    // for the same reason
+// A third of the samples is drawn wider still: a posterior that bends or trails off would otherwise look narrow and
+// well sampled.
+constexpr double kWidenMore = 2.0;
+constexpr double kWideShare = 0.3;
 constexpr double kLeastSpread = 1e-6;
 
 VectorXd vector_of(const Point& p) { return Eigen::Map<const VectorXd>(p.data(), static_cast<Index>(p.size())); }
@@ -28,9 +32,9 @@ struct Proposal {
   double ln_volume = 0.0;
   double drawn = 0.0;
 
-  Proposal(const VectorXd& about, const MatrixXd& covariance) : mean(about) {
+  Proposal(const VectorXd& about, const MatrixXd& covariance, double widen) : mean(about) {
     const MatrixXd wide =
-        kWiden * kWiden * covariance + kLeastSpread * kLeastSpread * MatrixXd::Identity(about.size(), about.size());
+        widen * widen * covariance + kLeastSpread * kLeastSpread * MatrixXd::Identity(about.size(), about.size());
     root = wide.llt().matrixL();
     ln_volume = root.diagonal().array().log().sum();
   }
@@ -53,7 +57,8 @@ struct Posterior::State {
 
   Dice dice;
   double misfit;
-  std::vector<Proposal> proposals;
+  std::vector<Proposal> proposals;  ///< in pairs: the wider one first
+  MatrixXd spread;                  ///< covariance of the last pair
   std::vector<Sample> samples;
   std::vector<double> weights;
   std::size_t adapted_at = 0;
@@ -76,6 +81,12 @@ struct Posterior::State {
     for (double& w : weights) w /= sum;
   }
 
+  void propose(const VectorXd& mean, const MatrixXd& covariance) {
+    spread = covariance;
+    proposals.emplace_back(mean, covariance, kWidenMore);
+    proposals.emplace_back(mean, covariance, kWiden);
+  }
+
   void adapt() {
     const Index n = proposals.front().mean.size();
     VectorXd mean = VectorXd::Zero(n);
@@ -84,11 +95,10 @@ struct Posterior::State {
     for (std::size_t k = 0; k < samples.size(); ++k)
       covariance += weights[k] * (samples[k].at - mean) * (samples[k].at - mean).transpose();
     // Few samples that weigh would make it too narrow: what went before keeps a part in it.
-    const MatrixXd before = proposals.back().root * proposals.back().root.transpose() / (kWiden * kWiden);
     double squares = 0.0;
     for (const double w : weights) squares += w * w;
     const double trusted = std::min(1.0, 1.0 / squares / (10.0 * static_cast<double>(n)));
-    proposals.emplace_back(mean, trusted * covariance + (1.0 - trusted) * before);
+    propose(mean, trusted * covariance + (1.0 - trusted) * spread);
     adapted_at = samples.size();
   }
 };
@@ -100,7 +110,7 @@ Posterior::Posterior(const Point& centre, const std::vector<std::vector<double>>
   MatrixXd matrix(n, n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) matrix(i, j) = covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  state_->proposals.emplace_back(vector_of(centre), matrix);
+  state_->propose(vector_of(centre), matrix);
 }
 
 Posterior::Posterior(Posterior&&) noexcept = default;
@@ -108,7 +118,8 @@ Posterior& Posterior::operator=(Posterior&&) noexcept = default;
 Posterior::~Posterior() = default;
 
 Point Posterior::ask() {
-  Proposal& from = state_->proposals.back();
+  const bool wide = state_->dice.uniform() < kWideShare;
+  Proposal& from = *(state_->proposals.end() - (wide ? 2 : 1));
   const auto n = from.mean.size();
   for (;;) {
     from.drawn += 1.0;  // those outside too: the proposal's density is not cut off at the cube's faces
@@ -141,7 +152,8 @@ double Posterior::effective_samples() const {
 }
 
 std::optional<Posterior::Interval> Posterior::interval(std::size_t parameter) const {
-  if (effective_samples() < 10.0) return std::nullopt;
+  const double effective = effective_samples();
+  if (effective < 10.0) return std::nullopt;
   std::vector<std::pair<double, double>> values;
   for (std::size_t k = 0; k < state_->samples.size(); ++k)
     values.emplace_back(state_->samples[k].at[static_cast<Index>(parameter)], state_->weights[k]);
@@ -154,7 +166,8 @@ std::optional<Posterior::Interval> Posterior::interval(std::size_t parameter) co
     }
     return values.back().first;
   };
-  return Interval{quantile(0.025), quantile(0.975)};
+  const double tail = std::max(0.0, 0.025 - std::sqrt(0.025 * 0.975 / effective));
+  return Interval{quantile(tail), quantile(1.0 - tail)};
 }
 
 }  // namespace granary::estimation

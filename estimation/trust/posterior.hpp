@@ -30,14 +30,15 @@ class Posterior {
 
   /// (sum w)^2 / sum w^2 of the sample's weights w = posterior / proposal.
   double effective_samples() const;
-  /// The shortest statement of a parameter: quantiles 2.5 % and 97.5 % of the weighted sample. Nothing below 10
+  /// The shortest statement of a parameter: quantiles 2.5 % and 97.5 % of the weighted sample, each moved outwards by
+  /// the standard error of that share, so that a small sample doesn't pretend to know its tails. Nothing below 10
   /// effective samples.
   struct Interval {
     double low, high;
   };
   std::optional<Interval> interval(std::size_t parameter) const;
-  /// Sampled enough for intervals to a tenth of their width: 200 effective samples.
-  bool converged() const { return effective_samples() >= 200.0; }
+  /// Sampled enough for intervals to a tenth of their width: 400 effective samples.
+  bool converged() const { return effective_samples() >= 400.0; }
   std::size_t samples() const;
 
  private:

@@ -80,7 +80,7 @@ TEST(Estimator, EndsWithIntervalsThatHoldTheTruthAndPredictsWhatWasHeldOut) {
   ASSERT_EQ(estimator.phase(), Phase::done);
   const Estimate e = estimator.estimate();
   EXPECT_TRUE(e.from_posterior);
-  EXPECT_GE(e.effective_samples, 200.0);
+  EXPECT_GE(e.effective_samples, 400.0);
   const double truth[] = {2.0, 0.1};
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_LT(e.low[k], truth[k]);
