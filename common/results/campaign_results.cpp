@@ -115,6 +115,46 @@ void exchange_dem(Io& io, D& d) {
   io.list(schema::kDemOverlap, d.largest_overlap);
 }
 
+template <class Io, class E>
+void exchange_estimation(Io& io, E& e) {
+  using Parameter = EstimationSummary::Parameter;
+  using Datum = EstimationSummary::Datum;
+  io.column(schema::kFitName, e.parameters, &Parameter::name);
+  io.column(schema::kFitKey, e.parameters, &Parameter::key);
+  io.column(schema::kFitUnit, e.parameters, &Parameter::unit);
+  io.column(schema::kFitFrom, e.parameters, &Parameter::from);
+  io.column(schema::kFitTo, e.parameters, &Parameter::to);
+  io.column(schema::kFitStart, e.parameters, &Parameter::start);
+  io.column(schema::kFitValue, e.parameters, &Parameter::value);
+  io.column(schema::kFitLow, e.parameters, &Parameter::low);
+  io.column(schema::kFitHigh, e.parameters, &Parameter::high);
+  io.rows(schema::kFitCorrelation, e.correlation);
+  io.column(schema::kDatum, e.data, &Datum::what);
+  io.column(schema::kDatumUnit, e.data, &Datum::unit);
+  io.column(schema::kDatumTime, e.data, &Datum::time);
+  io.column(schema::kDatumMeasured, e.data, &Datum::measured);
+  io.column(schema::kDatumError, e.data, &Datum::error);
+  io.column(schema::kDatumFitted, e.data, &Datum::fitted);
+  io.column(schema::kDatumHeldOut, e.data, &Datum::held_out);
+  io.list(schema::kTrialTime, e.time);
+  io.list(schema::kTrialCost, e.cost);
+  io.list(schema::kTrialVersion, e.version);
+  io.list(schema::kAdoptedBy, e.adopted_by);
+  io.list(schema::kAdoptedTime, e.adopted_time);
+  io.rows(schema::kAdopted, e.adopted);
+  io.list(schema::kFinalTime, e.final_time);
+  io.list(schema::kFinalD10, e.final_d10);
+  io.list(schema::kFinalD50, e.final_d50);
+  io.list(schema::kFinalD90, e.final_d90);
+  io.list(schema::kFitWarnings, e.warnings);
+  io.scalar(schema::kFitPhase, e.phase);
+  io.scalar(schema::kFitMisfit, e.misfit);
+  io.scalar(schema::kFitHeldOut, e.held_out);
+  io.scalar(schema::kFitUsed, e.used);
+  io.scalar(schema::kFitLeft, e.left);
+  io.scalar(schema::kFitCoupledWall, e.coupled_wall);
+}
+
 template <class Io, class R>
 void exchange_rates(Io& io, R& r) {
   io.enter(r.burst);
@@ -153,6 +193,7 @@ void exchange(Io& io, R& r) {
   io.column(schema::kChoiceValue, r.choices, &ModelChoice::value);
   io.column(schema::kChoiceError, r.choices, &ModelChoice::error);
   io.column(schema::kChoiceCost, r.choices, &ModelChoice::cost);
+  exchange_estimation(io, r.estimation);
   for (auto& rates : r.rates) exchange_rates(io, rates);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/results/estimation_summary.hpp"
 
 namespace granary {
 
@@ -181,6 +182,7 @@ struct CampaignResults {
   std::vector<TimelineEntry> timeline;
   CoreUse core_use;
   std::vector<ModelChoice> choices;
+  EstimationSummary estimation;
   bool operator==(const CampaignResults&) const = default;
 };
 

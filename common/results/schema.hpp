@@ -10,7 +10,7 @@
 namespace granary::results_schema {
 
 inline constexpr std::string_view kFormat = "granary-results-1";  ///< root attribute "format"
-inline constexpr double kFileVersion = 1;  ///< root attribute "version": grows when datasets are added
+inline constexpr double kFileVersion = 2;  ///< root attribute "version": grows when datasets are added
 
 struct Dataset {
   std::string_view name;         ///< full path
@@ -162,6 +162,53 @@ inline constexpr Dataset kChoiceError{"/choices/error", "M", "text", "the error 
 inline constexpr Dataset kChoiceCost{"/choices/cost", "M", "text",
                                      "what it costs or saves; not measured if nobody did"};
 
+// An estimation beside the campaign: P parameters, Y data, Q evaluations, A adoptions, F outputs of the final run.
+inline constexpr Dataset kFitName{"/estimation/parameter", "P", "text", "name of each parameter that was fitted"};
+inline constexpr Dataset kFitKey{"/estimation/key", "P", "text", "its setting in the workflow"};
+inline constexpr Dataset kFitUnit{"/estimation/parameter_unit", "P", "text", "unit of its values"};
+inline constexpr Dataset kFitFrom{"/estimation/from", "P", "1",
+                                  "lower bound, in the parameter's unit, as all of these"};
+inline constexpr Dataset kFitTo{"/estimation/to", "P", "1", "upper bound"};
+inline constexpr Dataset kFitStart{"/estimation/start", "P", "1", "the workflow's own value"};
+inline constexpr Dataset kFitValue{"/estimation/value", "P", "1", "estimated value"};
+inline constexpr Dataset kFitLow{"/estimation/low", "P", "1", "95 % interval, lower end; NaN if not known"};
+inline constexpr Dataset kFitHigh{"/estimation/high", "P", "1", "95 % interval, upper end"};
+inline constexpr Dataset kFitCorrelation{"/estimation/correlation", "P P", "1",
+                                         "correlation of the parameters, on their scales; NaN if not known"};
+inline constexpr Dataset kDatum{"/estimation/datum", "Y", "text", "what each datum is"};
+inline constexpr Dataset kDatumUnit{"/estimation/datum_unit", "Y", "text", "its unit"};
+inline constexpr Dataset kDatumTime{"/estimation/datum_time", "Y", "s", "its process time"};
+inline constexpr Dataset kDatumMeasured{"/estimation/measured", "Y", "1", "as measured, in its unit"};
+inline constexpr Dataset kDatumError{"/estimation/error", "Y", "1", "its standard deviation"};
+inline constexpr Dataset kDatumFitted{"/estimation/fitted", "Y", "1", "by the model with the estimated values"};
+inline constexpr Dataset kDatumHeldOut{"/estimation/held_out_datum", "Y", "1", "1 if it was not fitted, only checked"};
+inline constexpr Dataset kTrialTime{"/estimation/evaluation_time", "Q", "s",
+                                    "wall time of each evaluation since the campaign began"};
+inline constexpr Dataset kTrialCost{"/estimation/evaluation_cost", "Q", "1",
+                                    "half the sum of squares; NaN if it failed"};
+inline constexpr Dataset kTrialVersion{"/estimation/evaluation_version", "Q", "1",
+                                       "which rates it was made with, from 1"};
+inline constexpr Dataset kAdoptedBy{"/estimation/adopted_by", "A", "text", "PBM burst that took the best values known"};
+inline constexpr Dataset kAdoptedTime{"/estimation/adopted_time", "A", "s", "wall time since the campaign began"};
+inline constexpr Dataset kAdopted{"/estimation/adopted", "A P", "1", "the values"};
+inline constexpr Dataset kFinalTime{"/estimation/final_time", "F", "s",
+                                    "process clock of the final run, with the estimated values"};
+inline constexpr Dataset kFinalD10{"/estimation/final_d10", "F", "m", "d10 of what flows out in it"};
+inline constexpr Dataset kFinalD50{"/estimation/final_d50", "F", "m", "d50 of what flows out in it"};
+inline constexpr Dataset kFinalD90{"/estimation/final_d90", "F", "m", "d90 of what flows out in it"};
+inline constexpr Dataset kFitWarnings{"/estimation/warnings", "Z", "text", "what the data cannot tell apart"};
+inline constexpr Dataset kFitPhase{
+    "/estimation/phase", "1", "text",
+    "how far it came: search, uncertainty, posterior, done; empty if nothing was fitted"};
+inline constexpr Dataset kFitMisfit{"/estimation/misfit", "1", "1",
+                                    "sum of squares over data less parameters; about 1 if the errors are as stated"};
+inline constexpr Dataset kFitHeldOut{"/estimation/held_out", "1", "1",
+                                     "mean square of the held-out residuals; NaN if there are none"};
+inline constexpr Dataset kFitUsed{"/estimation/used", "1", "s", "idle core seconds the estimation worked on"};
+inline constexpr Dataset kFitLeft{"/estimation/left", "1", "s", "core seconds that nothing worked on"};
+inline constexpr Dataset kFitCoupledWall{"/estimation/coupled_wall", "1", "s",
+                                         "wall time of the coupling, without the final run"};
+
 /// All of them, in the order they are written in.
 inline constexpr std::array kAll{kName,
                                  kKind,
@@ -259,6 +306,40 @@ inline constexpr std::array kAll{kName,
                                  kChoice,
                                  kChoiceValue,
                                  kChoiceError,
-                                 kChoiceCost};
+                                 kChoiceCost,
+                                 kFitName,
+                                 kFitKey,
+                                 kFitUnit,
+                                 kFitFrom,
+                                 kFitTo,
+                                 kFitStart,
+                                 kFitValue,
+                                 kFitLow,
+                                 kFitHigh,
+                                 kFitCorrelation,
+                                 kDatum,
+                                 kDatumUnit,
+                                 kDatumTime,
+                                 kDatumMeasured,
+                                 kDatumError,
+                                 kDatumFitted,
+                                 kDatumHeldOut,
+                                 kTrialTime,
+                                 kTrialCost,
+                                 kTrialVersion,
+                                 kAdoptedBy,
+                                 kAdoptedTime,
+                                 kAdopted,
+                                 kFinalTime,
+                                 kFinalD10,
+                                 kFinalD50,
+                                 kFinalD90,
+                                 kFitWarnings,
+                                 kFitPhase,
+                                 kFitMisfit,
+                                 kFitHeldOut,
+                                 kFitUsed,
+                                 kFitLeft,
+                                 kFitCoupledWall};
 
 }  // namespace granary::results_schema

@@ -10,6 +10,7 @@
 #include "controller/commands/commands.hpp"
 #include "controller/run/file_handover.hpp"
 #include "controller/run/progress.hpp"
+#include "controller/run/simulated_estimation.hpp"
 #include "controller/run/simulated_handover.hpp"
 #include "controller/run/summary.hpp"
 #include "controller/sweep/cases.hpp"
@@ -61,7 +62,9 @@ Result<Exit> dry_run_coupled(const Campaign& campaign, const pilot::Machine& mac
   GRANARY_TRY(const auto pilot,
               pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
   run::Progress progress(loop, {}, options.quiet || options.json);
-  run::CampaignRun campaign_run(run::coupling_settings(campaign), handover, *pilot, loop, journal, progress.watcher());
+  run::SimulatedEstimation estimation(*pilot);
+  run::CampaignRun campaign_run(run::coupling_settings(campaign), handover, *pilot, loop, journal, progress.watcher(),
+                                campaign.estimation ? &estimation : nullptr);
   GRANARY_CHECK(campaign_run.begin());
   loop.run();
   if (!campaign_run.ended())

@@ -57,6 +57,7 @@ Result<CampaignResults> finish(Session& session, const run::FileHandover& handov
   record.state = campaign_run.state();
   record.ends = session.pilot->ends();
   record.timeline = session.pilot->timeline();
+  record.estimation = session.journal.records("estimation.");
   record.cores = session.machine.n_cores();
   record.wall = session.pilot->now();
   record.started = run::iso_time(first_wall_time(session.journal, session.loop.wall_time() - session.loop.now()));

@@ -52,6 +52,8 @@ class Crew {
   /// All that is known of it. Some milliseconds late in a long estimation: the intervals are worked out anew.
   estimation::Estimate estimate() const;
   const estimation::Estimator& estimator() const { return *estimator_; }
+  /// Evaluations of the present version.
+  long evaluated_now() const { return begun() ? estimator_->evaluated_now() : 0; }
   /// What best.json says: the estimate, {"phase", "asked", "evaluated", "failed", "late", "seconds" of computing}.
   json::Value status() const;
 

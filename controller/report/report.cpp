@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "controller/report/estimation_report.hpp"
 #include "controller/report/figures.hpp"
 #include "controller/report/html.hpp"
 #include "controller/report/page.hpp"
@@ -148,19 +149,24 @@ std::string provenance_html(const Provenance& p) {
 }
 
 std::vector<Section> sections_of(const CampaignResults& r) {
-  return {{"bursts", "Bursts, and why each ended", "Bursts", panel(bursts_table(r)), {}},
-          {"process", "The granules through the process", "Granules", "", process_figures(r)},
-          {"sizes", "Size distributions", "Sizes", "", size_figures(r)},
-          {"rates", "Collisions and impacts", "Collisions", "", rate_figures(r)},
-          {"dem", "Inside the DEM", "DEM", "", dem_figures(r)},
-          {"cores", "What ran where", "Cores", panel(core_table(r.core_use)), core_figures(r)},
-          {"balance", "Conservation", "Conservation", panel(drift_table(r.pbm)), {}},
-          {"choices",
-           "What was modelled, what was left out, and what each choice is worth",
-           "Choices",
-           panel(choices_table(r.choices)),
-           {}},
-          {"provenance", "Provenance", "Provenance", provenance_html(r.provenance), {}}};
+  std::vector<Section> sections{
+      {"bursts", "Bursts, and why each ended", "Bursts", panel(bursts_table(r)), {}},
+      {"process", "The granules through the process", "Granules", "", process_figures(r)},
+      {"sizes", "Size distributions", "Sizes", "", size_figures(r)},
+      {"estimation", "Parameters from data", "Estimation", estimation_html(r), estimation_figures(r)},
+      {"rates", "Collisions and impacts", "Collisions", "", rate_figures(r)},
+      {"dem", "Inside the DEM", "DEM", "", dem_figures(r)},
+      {"cores", "What ran where", "Cores", panel(core_table(r.core_use)), core_figures(r)},
+      {"balance", "Conservation", "Conservation", panel(drift_table(r.pbm)), {}},
+      {"choices",
+       "What was modelled, what was left out, and what each choice is worth",
+       "Choices",
+       panel(choices_table(r.choices)),
+       {}},
+      {"provenance", "Provenance", "Provenance", provenance_html(r.provenance), {}}};
+  if (r.estimation.parameters.empty())
+    std::erase_if(sections, [](const Section& section) { return section.id == "estimation"; });
+  return sections;
 }
 
 std::string header_html(const CampaignResults& r) {

@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "common/log.hpp"
+#include "controller/estimation/crew_settings.hpp"
 
 namespace granary::run {
 namespace fs = std::filesystem;
@@ -16,19 +18,7 @@ namespace {
 
 constexpr const char* kAdopted = "estimation.adopted";
 constexpr const char* kFinal = "estimation.final";
-
-estimating::CrewSettings crew_settings(const campaign::Campaign& campaign, const fs::path& dir,
-                                       const fs::path& programs, int cores) {
-  estimating::CrewSettings settings;
-  settings.dir = dir;
-  settings.program = programs / "granary-pbm";
-  settings.cores = cores;
-  for (const estimation::Method method : estimation::kMethods)
-    if (estimation::name_of(method) == campaign.estimation->method) settings.search.method = method;
-  settings.search.seed = static_cast<std::uint64_t>(campaign.estimation->seed);
-  settings.search.most_evaluations = campaign.estimation->most_evaluations;
-  return settings;
-}
+constexpr const char* kOver = "estimation.over";  // the coupling's end, before the final run
 
 std::vector<estimation::Parameter> parameters_of(const Estimation& estimation) {
   std::vector<estimation::Parameter> parameters;
@@ -56,9 +46,16 @@ CampaignEstimation::CampaignEstimation(const campaign::Campaign& campaign, fs::p
       pilot_(pilot),
       journal_(journal),
       note_(std::move(note)),
-      crew_(crew_settings(campaign, dir_, programs_, pilot.machine().n_cores())) {}
+      crew_(estimating::crew_settings(*campaign.estimation, dir_, programs_, pilot.machine().n_cores())) {}
 
-Status CampaignEstimation::begin(const coupling::State& state) { return work_on(state); }
+Status CampaignEstimation::begin(const coupling::State& state) {
+  if (const auto before = journal_.records(kAdopted); !before.empty()) {
+    const json::Value& last = before.back().payload;
+    earlier_best_ = estimation::Fitted{last.numbers("values"), static_cast<int>(last.integer_or("version", 0)),
+                                       static_cast<long>(last.integer_or("trial", 0)), last.number_or("cost", 0.0)};
+  }
+  return work_on(state);
+}
 
 void CampaignEstimation::told(const coupling::Event& event, const coupling::State& state) {
   if (given_up_ || state.ended || !std::holds_alternative<coupling::DemExchanged>(event)) return;
@@ -90,6 +87,7 @@ Status CampaignEstimation::work_on(const coupling::State& state) {
   if (!crew_.begun()) {
     GRANARY_CHECK(crew_.begin(*problem));
   } else {
+    earlier_best_ = known_best();
     GRANARY_TRY(const auto stale, crew_.change(*problem));
     for (const std::string& name : stale)
       if (const auto id = pilot_.find(name)) pilot_.stop(*id, "there are new rates");
@@ -137,15 +135,22 @@ void CampaignEstimation::task_ended(const pilot::TaskEnd& end) {
 }
 
 json::Value CampaignEstimation::record_of(const estimation::Fitted& best) const {
-  return json::Value::object({{"version", best.version},
+  return json::Value::object({{"time_s", pilot_.now()},
+                              {"version", best.version},
                               {"trial", static_cast<std::int64_t>(best.trial)},
                               {"cost", best.cost},
                               {"values", best.values}});
 }
 
+/// With new rates the best points of before are tried first; until that is done, what was best before still counts.
+std::optional<estimation::Fitted> CampaignEstimation::known_best() const {
+  const auto tried_first = static_cast<long>(2 * campaign_.estimation->parameters.size() + 4);
+  return crew_.evaluated_now() > tried_first ? crew_.best() : earlier_best_;
+}
+
 json::Value CampaignEstimation::adopted(json::Value pbm_case, const coupling::StartBurst& start) {
-  if (campaign_.estimation->adopt != Estimation::Adopt::continuously || !crew_.begun()) return pbm_case;
-  const auto best = crew_.best();
+  if (campaign_.estimation->adopt != Estimation::Adopt::continuously) return pbm_case;
+  const auto best = known_best();
   if (!best) return pbm_case;
   json::Value record = record_of(*best);
   record.set("burst", start.burst.folder()).set("attempt", start.attempt);
@@ -160,8 +165,8 @@ json::Value CampaignEstimation::adopted(json::Value pbm_case, const coupling::St
 /// Decided once: a resume goes on with the same.
 Result<std::vector<double>> CampaignEstimation::final_values() {
   if (const auto written = journal_.records(kFinal); !written.empty()) return written.back().payload.numbers("values");
-  const auto best = crew_.begun() ? crew_.best() : std::nullopt;
-  if (!best) return Error{"no evaluation came to its end: there is no estimate."};
+  const auto best = known_best();
+  if (!best) return Error{"too few evaluations came to their end: there is no estimate."};
   GRANARY_CHECK(journal_.append(kFinal, record_of(*best)));
   return best->values;
 }
@@ -169,6 +174,8 @@ Result<std::vector<double>> CampaignEstimation::final_values() {
 void CampaignEstimation::finish(const coupling::State& state, std::function<void()> done) {
   stop_fillers("the coupling is over");
   given_up_ = true;  // asks for nothing more
+  if (const json::Value over = json::Value::object({{"time_s", pilot_.now()}}); journal_.records(kOver).empty())
+    (void)journal_.append(kOver, over);
   if (campaign_.estimation->adopt == Estimation::Adopt::never) return done();
   done_ = std::move(done);
   if (const Status started = start_final_run(state); !started) {
@@ -194,6 +201,7 @@ Status CampaignEstimation::start_final_run(const coupling::State& state) {
     if (k > 0) segment.restart = pbm::Restart{fs::path("..") / fmt::format("{:04}", k) / "out.h5", segment.start_time};
     const json::Value document =
         estimation::with_parameters(pbm::to_json(segment), parameters_of(*campaign_.estimation), values);
+    GRANARY_CHECK(make_folders(dir_ / "final" / folder));
     GRANARY_CHECK(json::write_file(dir_ / "final" / folder / "case.json", document));
     pilot::TaskSpec task = handover_.pbm_task();
     task.name = segment.name + "-pbm";

@@ -46,6 +46,7 @@ class CampaignEstimation final : public Companion {
   void submit_fillers();
   void stop_fillers(const std::string& reason);
   void give_up(const Error& error);
+  std::optional<estimation::Fitted> known_best() const;
   Result<std::vector<double>> final_values();
   Status start_final_run(const coupling::State& state);
   json::Value record_of(const estimation::Fitted& best) const;
@@ -58,10 +59,11 @@ class CampaignEstimation final : public Companion {
   std::function<void(const std::string&)> note_;
   estimating::Crew crew_;
   bool given_up_ = false;
-  std::map<int, pbm::DemRates> rates_;  ///< of each round's DEM burst
-  std::set<std::string> fillers_;       ///< submitted and not ended
-  std::set<std::string> final_tasks_;   ///< likewise, of the final run
-  std::function<void()> done_;          ///< once the final run is over
+  std::optional<estimation::Fitted> earlier_best_;  ///< of the last version before this one that was worked at enough
+  std::map<int, pbm::DemRates> rates_;              ///< of each round's DEM burst
+  std::set<std::string> fillers_;                   ///< submitted and not ended
+  std::set<std::string> final_tasks_;               ///< likewise, of the final run
+  std::function<void()> done_;                      ///< once the final run is over
 };
 
 }  // namespace granary::run

@@ -12,6 +12,7 @@
 #include "common/results/hdf5_file.hpp"
 #include "controller/coupling/exchange_files.hpp"
 #include "controller/run/choices.hpp"
+#include "controller/run/collect_estimation.hpp"
 #include "controller/run/provenance.hpp"
 
 namespace granary::run {
@@ -315,6 +316,9 @@ Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHa
                                 interval.start,
                                 interval.end});
   results.core_use = core_use(results.timeline, record.cores, record.wall);
+  if (campaign.estimation) {
+    GRANARY_TRY(results.estimation, estimation_of(campaign, dir, record.estimation, results.core_use));
+  }
   GRANARY_TRY(results.choices, choices_of(campaign, dir, record.state, results));
   return results;
 }

@@ -9,6 +9,7 @@
 #include "controller/campaign/campaign.hpp"
 #include "controller/coupling/state.hpp"
 #include "controller/run/file_handover.hpp"
+#include "pilot/journal/journal.hpp"
 #include "pilot/pilot.hpp"
 
 namespace granary::run {
@@ -18,6 +19,7 @@ struct RunRecord {
   coupling::State state;
   std::vector<pilot::TaskEnd> ends;
   std::vector<pilot::Interval> timeline;
+  std::vector<pilot::Record> estimation;  ///< what the journal has of it
   int cores = 1;
   double wall = 0.0;              ///< pilot time the campaign took [s]
   std::string started, finished;  ///< ISO 8601, UTC

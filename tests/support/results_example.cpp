@@ -291,6 +291,28 @@ CampaignResults awkward_results() {
   r.timeline = {{text, "dem", 1, {0, 1, 63}, 0.0, 1.5}, {"m", "monitor", 2, {}, 0.5, 1.0}};
   r.core_use = {64, 1.5, 0.25, 0.03125, {{"dem", 1.5, 4.5}, {"monitor", 0.5, 0.0}, {text, 0.0, 0.0}}};
   r.choices = {{text, "1", "not measured", ""}};
+  auto& e = r.estimation;
+  e.parameters = {{text, "/pbm/aggregation/rate", "1/s", 1e-300, 1e308, 0.5, 0.25, kNan, kNan},
+                  {"", text, text, -1.0, 1.0, 0.0, 0.125, -0.5, 0.5}};
+  e.correlation = filled(2, 2, 1.0);
+  e.data = {{text, "m", 1.0, 85e-6, 1e-6, kNan, 1}, {"", "", 2.0, 0.0, 1e-300, 3.0, 0}};
+  e.time = counted(4, 0.0);
+  e.cost = {1.0, kNan, 0.5, 0.25};
+  e.version = {1, 1, 2, 3};
+  e.adopted_by = {"0002-pbm", text, ""};
+  e.adopted_time = counted(3, 1.0);
+  e.adopted = filled(3, 2, 2.0);
+  e.final_time = counted(2, 0.0);
+  e.final_d10 = counted(2, 1.0);
+  e.final_d50 = counted(2, 2.0);
+  e.final_d90 = counted(2, 3.0);
+  e.warnings = {text};
+  e.phase = "search";
+  e.misfit = 1.5;
+  e.held_out = kNan;
+  e.used = 0.5;
+  e.left = 0.25;
+  e.coupled_wall = 1.25;
   return r;
 }
 
