@@ -39,7 +39,8 @@ Rate SelectionLaw::at(const std::vector<double>& features) const {
 Result<SelectionLaw> fit_selection_law(const std::vector<CountedEvents>& counts, double prior) {
   const auto n = static_cast<Eigen::Index>(counts.size());
   const auto m = static_cast<Eigen::Index>(counts.empty() ? 0 : counts.front().features.size());
-  if (n < m || m == 0) return Error{fmt::format("{} counts are too few for a law of {} coefficients.", n, m)};
+  if (n == 0 || m == 0 || (n < m && std::isinf(prior)))
+    return Error{fmt::format("{} counts are too few for a law of {} coefficients.", n, m)};
   Eigen::MatrixXd x(n, m);
   Eigen::VectorXd events(n), exposure(n);
   for (Eigen::Index i = 0; i < n; ++i) {

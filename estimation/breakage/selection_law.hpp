@@ -30,8 +30,8 @@ struct SelectionLaw {
   Rate at(const std::vector<double>& features) const;  ///< with its 95 % interval
 };
 
-/// The law of greatest likelihood for Poisson counts, by iterated least squares. Errors: fewer counts than features; no
-/// event at all; features that say the same (a coefficient the counts do not know).
+/// The law of greatest likelihood for Poisson counts, by iterated least squares. Errors: without a prior, fewer counts
+/// than features; no event at all; features that say the same (a coefficient the counts do not know).
 /// @param prior  standard deviation of a normal prior about 0 on every coefficient but the first: where a size never
 ///               breaks, or a setting was never changed, it keeps the law finite. Infinite: none.
 /// Source: P. McCullagh, J. A. Nelder, Generalized Linear Models, 2nd ed., 1989, sections 2.5 and 6.2.

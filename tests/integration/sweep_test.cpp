@@ -36,7 +36,7 @@ TEST(SweepOfABalance, RunsEveryCaseAndTellsThemInOneTable) {
   const Scratch scratch;
   const auto summary =
       granary_json({"run", (kSource / "workflows/pbm_sweep.json").string(), "--dir", (scratch / "run").string(),
-                    "--json", "--quiet", "--set", "/process/duration=12 s"});
+                    "--json", "--quiet", "--set", "/process/duration=20 s", "--set", "/spray/start=2 s"});
 
   EXPECT_EQ(12, summary.integer_or("finished", 0));
   const auto& cases = summary["cases"].items();
