@@ -107,6 +107,7 @@ struct Campaign;
 struct SweepCase {
   std::string name;                 ///< "0001": of its folder and its task
   std::vector<json::Value> values;  ///< of the swept settings as written, null: left as it is; shape (settings)
+  std::vector<std::string> places;  ///< where in the workflow each value stands, "" for null; shape (settings)
   std::shared_ptr<const Campaign> understood;  ///< pbm_case or dem_case is the whole case
 };
 
@@ -136,8 +137,8 @@ struct Campaign {
   DemSettings dem;
   PbmSettings pbm;
   CouplingSettings coupling;
-  double duration = 0.0;  ///< end of the process clock [s]
-  std::optional<Estimation> estimation;                   ///< none: nothing is fitted
+  double duration = 0.0;                 ///< end of the process clock [s]
+  std::optional<Estimation> estimation;  ///< none: nothing is fitted
 
   // kind tasks
   std::vector<pilot::TaskSpec> tasks;

@@ -144,7 +144,7 @@ Result<Campaign> understand_case(const Campaign& sweep, const SweepCase& one, js
   return campaign;
 }
 
-/// A fault that all cases share is told once; another with the values of the first case that has it.
+/// A fault that all cases share is told once; one of a swept value at the place where that value stands.
 void read_cases(Campaign& campaign, json::Problems& problems) {
   Sweep& sweep = campaign.sweep;
   for (SweepCase& one : sweep.cases) {
@@ -153,8 +153,9 @@ void read_cases(Campaign& campaign, json::Problems& problems) {
     if (understood) one.understood = std::make_shared<const Campaign>(std::move(*understood));
     for (json::Problem problem : own.list()) {
       for (std::size_t k = 0; k < sweep.settings.size(); ++k)
-        if (is_within(problem.pointer, sweep.settings[k].pointer))
-          problem.hint += " (Case " + one.name + " of the sweep.)";
+        if (const std::string& pointer = sweep.settings[k].pointer;
+            !one.places[k].empty() && is_within(problem.pointer, pointer))
+          problem.pointer = one.places[k] + problem.pointer.substr(pointer.size());
       problems.add(std::move(problem));
     }
   }

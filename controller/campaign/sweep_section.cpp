@@ -52,6 +52,7 @@ std::size_t column_of(Sweep& sweep, const std::string& pointer) {
 struct Axis {
   std::size_t column;
   json::Array values;
+  std::string place;  ///< of the values
 };
 
 std::vector<Axis> read_axes(json::Reader& reader, Sweep& sweep) {
@@ -68,7 +69,7 @@ std::vector<Axis> read_axes(json::Reader& reader, Sweep& sweep) {
     if (values == nullptr || !values->is_array() || values->size() == 0)
       item.problem("values", "it must be a list of the values that the setting takes, at least one.");
     else if (!wrong && !taken) {
-      axes.push_back({column_of(sweep, pointer), values->items()});
+      axes.push_back({column_of(sweep, pointer), values->items(), item.pointer("values")});
       if (!name.empty()) sweep.settings[axes.back().column].name = name;
     }
     item.done();
@@ -86,9 +87,12 @@ void add_grid(const std::vector<Axis>& axes, Sweep& sweep, json::Reader& reader)
   for (std::size_t i = 0; i < n; ++i) {
     SweepCase one;
     one.values.resize(sweep.settings.size());
+    one.places.resize(sweep.settings.size());
     std::size_t rest = i;
     for (auto axis = axes.rbegin(); axis != axes.rend(); ++axis) {
-      one.values[axis->column] = axis->values[rest % axis->values.size()];
+      const std::size_t at = rest % axis->values.size();
+      one.values[axis->column] = axis->values[at];
+      one.places[axis->column] = with_step(axis->place, std::to_string(at));
       rest /= axis->values.size();
     }
     sweep.cases.push_back(std::move(one));
@@ -118,6 +122,8 @@ void add_list(json::Reader& reader, Sweep& sweep, json::Problems& problems) {
       const std::size_t column = column_of(sweep, pointer);
       one.values.resize(std::max(one.values.size(), column + 1));
       one.values[column] = value;
+      one.places.resize(one.values.size());
+      one.places[column] = with_step(place, pointer);
     }
     sweep.cases.push_back(std::move(one));
   }
@@ -156,6 +162,7 @@ void read_sweep(json::Reader& root, Campaign& campaign, json::Problems& problems
   for (std::size_t i = 0; i < sweep.cases.size(); ++i) {
     sweep.cases[i].name = fmt::format("{:04}", i + 1);
     sweep.cases[i].values.resize(sweep.settings.size());
+    sweep.cases[i].places.resize(sweep.settings.size());
   }
 }
 
