@@ -134,15 +134,16 @@ Value product_row(const TwinBench& bench) {
 }  // namespace
 
 Value bench_twins(const TwinBench& bench) {
+  const auto wanted = [&](Method method) {
+    return bench.methods.empty() ||
+           std::count(bench.methods.begin(), bench.methods.end(), estimation::name_of(method)) > 0;
+  };
   Value rows = Value::array();
   for (const int n : bench.parameters)
-    for (const Method method : estimation::kMethods) {
-      const std::string name = estimation::name_of(method);
-      if (bench.methods.empty() || std::count(bench.methods.begin(), bench.methods.end(), name) > 0)
-        rows.push(row_of(method, n, bench));
-    }
+    for (const Method method : estimation::kMethods)
+      if (wanted(method)) rows.push(row_of(method, n, bench));
   return Value::object({{"methods", rows},
-                        {"product", product_row(bench)},
+                        {"product", wanted(Method::hybrid) ? product_row(bench) : Value()},
                         {"in_flight", bench.cores},
                         {"lost_share", bench.lost},
                         {"most_evaluations", std::int64_t{bench.most_evaluations}}});

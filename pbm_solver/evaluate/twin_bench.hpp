@@ -21,7 +21,8 @@ struct TwinBench {
 
 /// {"methods": [{name, parameters, seeds, recovered_share (of all parameters' intervals), found_share (of the seeds: a
 /// fit at least as good as the truth's), evaluations_median, evaluations_most (to the end of the search),
-/// with_intervals_median (to the end), seconds}], "product": {warned_share, warning}, ...}
+/// with_intervals_median (to the end), seconds}], "product": {warned_share, warning} (with hybrid),
+/// ...}
 json::Value bench_twins(const TwinBench& bench);
 
 }  // namespace granary::pbm
