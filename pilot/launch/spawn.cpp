@@ -52,7 +52,11 @@ int run_child(void* argument) {
   if (setpgid(0, 0) < 0) return fail(child, Stage::group);
   if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0)
     return fail(child, Stage::affinity);
-  if (child->background) (void)!nice(19);
+  if (child->background) {
+    const sched_param usual = {};
+    (void)sched_setscheduler(0, SCHED_OTHER, &usual);  // ours may be a real-time one
+    (void)!nice(19);
+  }
   if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);
   if (dup2(child->in, 0) < 0 || dup2(child->out, 1) < 0 || dup2(child->err, 2) < 0) return fail(child, Stage::files);
   // Whatever a library of ours has left open is none of the program's business.
