@@ -143,6 +143,25 @@ TEST(Workflows, FeedInTheDemCanBeSwitchedOff) {
   EXPECT_EQ(read("quick.json", {"/dem/through_flow=false"}).dem_case.feed_rate, 0.0);
 }
 
+TEST(Workflows, TheBreakageStudyIsTheTwentyCasesOfItsSource) {
+  const Campaign study = read("breakage_study.json");
+
+  EXPECT_EQ(study.kind, Kind::sweep);
+  ASSERT_EQ(study.sweep.cases.size(), 20u);
+  const dem::DemCase &first = study.sweep.cases.front().understood->dem_case,
+                     &last = study.sweep.cases.back().understood->dem_case;
+  EXPECT_NEAR(first.machine.impeller_speed, 50.0 * 2.0 * kPi / 60.0, 1e-9);
+  EXPECT_NEAR(last.machine.chopper_speed, 3000.0 * 2.0 * kPi / 60.0, 1e-9);
+  // Figures of the source: chopper tip 3.454 m/s at 3000 rpm, 37 spheres of 1.2 mm, 1500 kg/m^3, and its two ratios.
+  EXPECT_NEAR(last.machine.chopper_speed * 0.5 * last.machine.bowl.chopper_diameter, 3.456, 1e-3);
+  EXPECT_EQ(last.agglomerates->spheres, 37);
+  EXPECT_DOUBLE_EQ(last.agglomerates->sphere_diameter, 1.2e-3);
+  EXPECT_DOUBLE_EQ(last.density, 1500.0);
+  EXPECT_DOUBLE_EQ(last.agglomerates->bonds.shear_stiffness_ratio, 0.458);
+  EXPECT_DOUBLE_EQ(last.agglomerates->bonds.shear_strength_ratio, 0.563);
+  EXPECT_DOUBLE_EQ(last.duration, 2.0);
+}
+
 TEST(Workflows, TasksKeepTheirOrderAndDependencies) {
   const Campaign list = read("tasks.json");
 

@@ -137,6 +137,24 @@ TEST(InputScript, TalliesWhatTheCaseAsksFor) {
   EXPECT_THAT(script_of(a_stock_case()), HasSubstr("body impeller mesh impeller"));
 }
 
+TEST(InputScript, AgglomeratesTakeThePlaceOfThePopulation) {
+  DemCase c = a_bowl();
+  c.agglomerates.emplace();
+  c.agglomerates->count = 7;
+  c.agglomerates->bonds.normal_stiffness = 1e9;
+  c.agglomerates->bonds.tensile_strength = 2e5;
+  c.agglomerates->bonds.shear_strength_ratio = 0.5;
+  c.agglomerates->bonds.strength_scatter = 0.1;
+
+  const std::string script = script_of(c);
+
+  EXPECT_THAT(script, AllOf(HasSubstr("granary/bond normal_stiffness 1000000000 shear_stiffness 458000000 "),
+                            HasSubstr("tensile_strength 200000 shear_strength 100000 normal 0.1 "),
+                            HasSubstr("pack 37 0.0012 0.005 count 7 "), HasSubstr("region space walls walls"),
+                            Not(HasSubstr("all granary/resize"))));
+  EXPECT_THAT(script_of(a_bowl()), Not(HasSubstr("granary/bond")));
+}
+
 TEST(NeighbourSkin, StaysWithinTheParticlesSize) {
   DemCase c = a_stock_case();
   for (double speed : {0.0, 20.0, 209.0, 2000.0}) {

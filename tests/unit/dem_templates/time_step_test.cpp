@@ -87,6 +87,22 @@ TEST(TimeStep, TooLongAStepSaysWhatIsAllowed) {
   EXPECT_TRUE(check_time_step(c, "case.json"));
 }
 
+TEST(TimeStep, StiffBondsShortenItWithTheRootOfTheirStiffness) {
+  DemCase c = a_case();
+  const double without = largest_time_step(time_step_figures(c));
+  c.agglomerates.emplace();
+  c.agglomerates->bonds.normal_stiffness = 1e13;
+  const TimeStepFigures stiff = time_step_figures(c);
+  c.agglomerates->bonds.normal_stiffness = 4e13;
+  const TimeStepFigures stiffer = time_step_figures(c);
+
+  EXPECT_LT(largest_time_step(stiff), without);
+  EXPECT_NEAR(largest_time_step(stiffer), 0.5 * largest_time_step(stiff), 1e-9 * without);
+  c.time_step = 1.01 * largest_time_step(stiffer);
+  ASSERT_TRUE(time_step_problem(time_step_figures(c)));
+  EXPECT_NE(time_step_problem(time_step_figures(c))->find("softer bonds"), std::string::npos);
+}
+
 TEST(TimeStep, AStandingImpellerLimitsNothingButRayleigh) {
   DemCase c = a_case();
   c.machine.impeller_speed = 0.0;

@@ -115,6 +115,17 @@ TEST(Fragments, OfATableHoldAllOfTheParentAndAreAsManyAsItSays) {
   }
 }
 
+TEST(Fragments, OfATableOfTwoHalvesAreThoseOfHalvesToTheBit) {
+  const ClassGrid grid(Grid{{12, 9}, {1.0, 0.5}, {1.3, 2.2}});
+  const Fragments halves(grid, Breakage::Daughters::halves);
+  const Fragments table(grid, Breakage::Daughters::table, {{1.0}, {1.0}, {{{0.5, 2.0}}}});
+
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    EXPECT_EQ(table.divisible(k), halves.divisible(k));
+    for (std::size_t to = 0; to < grid.size(); ++to) EXPECT_EQ(table.weight(to, k), halves.weight(to, k));
+  }
+}
+
 TEST(Fragments, OfATableThatHitPivotsStandOnThem) {
   // One solid that doubles from class to class: a parent of 16 gives one of 8 and eight of 1.
   const ClassGrid grid(Grid{{6, 1}, {1.0, 0.0}, {2.0, 2.0}});

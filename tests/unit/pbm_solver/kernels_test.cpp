@@ -112,6 +112,21 @@ TEST(SelectionFunction, HasTheBreakageSpeedOfTheDerivedFormula) {
   EXPECT_TRUE(std::isinf(breakage_speed(b, 0.05, density, 0.0)));
 }
 
+TEST(SelectionFunction, OfATableIsLinearInTheLogarithmOfTheVolume) {
+  PbmCase c = testing::a_granulator();
+  c.breakage->selection = Breakage::Selection::table;
+  c.breakage->rate = 2.0;
+  c.breakage->table = {{1.0, 100.0, 1000.0}, {0.5, 4.5, 0.0}, {}};
+  const SelectionFunction selection(c, 0);
+  const ParticleTable none(SolidLanes(ClassGrid(c.grid), c.materials, 1), c.materials);  // nothing of it is looked at
+
+  EXPECT_DOUBLE_EQ(selection(0.01, none, 0), 1.0);  // constant beyond
+  EXPECT_DOUBLE_EQ(selection(1.0, none, 0), 1.0);
+  EXPECT_DOUBLE_EQ(selection(10.0, none, 0), 5.0);  // half way in ln v: 2 (0.5 + 4.5) / 2
+  EXPECT_DOUBLE_EQ(selection(100.0, none, 0), 9.0);
+  EXPECT_DOUBLE_EQ(selection(1e6, none, 0), 0.0);
+}
+
 TEST(RateTable, GivesTheTableBackAtItsClassCentres) {
   const PbmCase c = testing::a_granulator();
   DemRates dem = *c.dem;
