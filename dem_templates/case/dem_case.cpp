@@ -70,6 +70,7 @@ BatchBowl read_bowl(Reader in) {
   b.impeller_pitch = in.number_or("impeller_pitch", b.impeller_pitch, Range::between(0.0, 1.3));
   b.chopper_diameter = in.number_or("chopper_diameter", b.chopper_diameter, Range::positive());
   b.chopper_blades = static_cast<int>(in.integer_or("chopper_blades", b.chopper_blades, Range::between(1, 12)));
+  b.chopper_clearance = in.number_or("chopper_clearance", b.chopper_clearance, Range::positive());
   if (!(b.cylinder_height < b.cover_height && b.cover_height < b.lid_height))
     in.problem("cover_height", "must lie between cylinder_height and lid_height");
   if (b.impeller_diameter >= b.bottom_diameter) in.problem("impeller_diameter", "must be smaller than bottom_diameter");
@@ -89,7 +90,8 @@ Value bowl_json(const BatchBowl& b) {
                         {"impeller_blades", b.impeller_blades},
                         {"impeller_pitch", b.impeller_pitch},
                         {"chopper_diameter", b.chopper_diameter},
-                        {"chopper_blades", b.chopper_blades}});
+                        {"chopper_blades", b.chopper_blades},
+                        {"chopper_clearance", b.chopper_clearance}});
 }
 
 std::optional<std::filesystem::path> read_path(Reader& in, const std::string& key) {

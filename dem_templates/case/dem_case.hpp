@@ -39,6 +39,7 @@ struct BatchBowl {
   double impeller_pitch = 0.7854;   ///< blade angle [rad]
   double chopper_diameter = 0.022;  ///< cutting circle [m]
   int chopper_blades = 4;
+  double chopper_clearance = 0.005;  ///< between its cutting circle and the impeller's blades, or the lid [m]
 };
 
 struct Machine {

@@ -10,9 +10,8 @@ namespace {
 
 constexpr int kAround = 32;  // sides of the bowl at refinement 1; flats touch the nominal circles
 constexpr int kShaftAround = 12;
-constexpr double kWall = 0.010;       // of the bowl [m]: thick, so that its outside is on no neighbour list
-constexpr double kClearance = 0.005;  // of the chopper from blades and lid: nothing is crushed between them [m]
-constexpr double kIntoWall = 0.001;   // how far shafts reach into the wall they come through [m]
+constexpr double kWall = 0.010;      // of the bowl [m]: thick, so that its outside is on no neighbour list
+constexpr double kIntoWall = 0.001;  // how far shafts reach into the wall they come through [m]
 constexpr double kBladeThickness = 0.002, kChopperThickness = 0.002;  // [m]
 
 double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
@@ -45,7 +44,8 @@ std::vector<Blade> bowl_blades(const BatchBowl& b) {
 
 BowlShafts bowl_shafts(const BatchBowl& b) {
   const double radius = 0.5 * b.chopper_diameter;
-  const double height = std::min(blade_top(b) + radius + kClearance, b.lid_height - radius - kClearance);
+  const double height =
+      std::min(blade_top(b) + radius + b.chopper_clearance, b.lid_height - radius - b.chopper_clearance);
   const double centre = 0.35 * b.bottom_diameter;
   return {0.1 * b.impeller_diameter,
           blade_top(b) + 0.002,
