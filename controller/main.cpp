@@ -179,6 +179,18 @@ int main(int argc, char** argv) {
   bench_dem->add_option("--plot", dem_options.plot, "Draw dem_speed.svg and dem_choices.svg into this folder");
   bench_dem->callback([&] { chosen = [&] { return commands::bench_dem(dem_options); }; });
 
+  commands::EstimationBenchOptions estimation_options;
+  auto* bench_estimation = bench->add_subcommand(
+      "estimation",
+      "How often estimation finds what was hidden, and what it does with idle cores (docs/estimation.md)");
+  bench_estimation
+      ->add_option("--effort", estimation_options.effort, "quick (a minute), usual or full (an hour of a core)")
+      ->check(CLI::IsMember({"quick", "usual", "full"}));
+  bench_estimation->add_option("--workflow", estimation_options.workflow,
+                               "Also run this coupled campaign with its estimation and without");
+  bench_estimation->add_flag("--json", estimation_options.json, "Print one JSON document on stdout and nothing else");
+  bench_estimation->callback([&] { chosen = [&] { return commands::bench_estimation(estimation_options); }; });
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -44,6 +44,12 @@ struct DemBenchOptions {
   std::filesystem::path plot;     ///< folder for dem_speed.svg and dem_choices.svg; empty: none
 };
 
+struct EstimationBenchOptions {
+  std::string effort = "usual";  ///< quick, usual, full
+  bool json = false;
+  std::filesystem::path workflow;  ///< a coupled campaign with an estimation, to run on and off; empty: none
+};
+
 Result<Exit> run(const RunOptions& options);
 /// The workflow's section "estimation" alone, on all cores.
 Result<Exit> estimate(const RunOptions& options);
@@ -69,6 +75,7 @@ Result<Exit> report(const std::filesystem::path& dir, const std::filesystem::pat
 Result<Exit> bench_pilot(const PilotBenchOptions& options);
 Result<Exit> bench_pbm(const BenchOptions& options);
 Result<Exit> bench_dem(const DemBenchOptions& options);
+Result<Exit> bench_estimation(const EstimationBenchOptions& options);
 
 struct KernelCommand {
   std::filesystem::path dir;          ///< of a sweep of a DEM with agglomerates, over or not

@@ -7,6 +7,7 @@
 #include "pbm_solver/bench/row_bench.hpp"
 #include "pbm_solver/bench/time_error.hpp"
 #include "pbm_solver/bench/work_precision.hpp"
+#include "pbm_solver/evaluate/twin.hpp"
 #include "pbm_solver/evaluate/twin_bench.hpp"
 
 namespace granary::pbm {
@@ -28,7 +29,10 @@ json::Value run_twins(const BenchOptions& options) {
   if (options.seeds > 0) twins.seeds = options.seeds;
   if (!options.parameters.empty()) twins.parameters = options.parameters;
   twins.methods = options.methods;
-  return bench_twins(twins);
+  if (options.product) return json::Value::object({{"product", bench_product_twin(twins)}});
+  if (!options.write) return bench_twins(twins);
+  const Twin twin = make_twin(twins.parameters.front(), 1);
+  return json::Value::object({{"problem", estimation::to_json(twin.problem)}, {"truth", twin.truth}});
 }
 
 json::Value run_part(const std::string& part, bench::Effort effort) {
@@ -56,6 +60,8 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   command->add_option("--seeds", options.seeds, "twins: so many of each problem")->check(CLI::Range(1, 1000));
   command->add_option("--parameters", options.parameters, "twins: only problems of 2, 4 or 6")
       ->check(CLI::IsMember({2, 4, 6}));
+  command->add_flag("--product", options.product, "twins: only the one in which only a product can be found");
+  command->add_flag("--write", options.write, "twins: print the first problem, with what was hidden");
   command->add_option("--method", options.methods, "twins: only this one (may be repeated)");
   return command;
 }

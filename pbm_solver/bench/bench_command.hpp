@@ -15,6 +15,8 @@ struct BenchOptions {
   int seeds = 0;                     ///< twins only: of each problem; 0: 20
   std::vector<int> parameters;       ///< twins only: 2, 4, 6; empty: all
   std::vector<std::string> methods;  ///< twins only; empty: all
+  bool product = false;              ///< twins only: the one in which only a product can be found, alone
+  bool write = false;                ///< twins only: print one problem, with what was hidden
 };
 
 /// Adds the subcommand; the options are filled in when the command line is parsed.

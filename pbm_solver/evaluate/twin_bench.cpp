@@ -116,21 +116,6 @@ Value row_of(Method method, int n_parameters, const TwinBench& bench) {
                         {"evaluation_s", (seconds_now() - began) / std::max(evaluations, 1.0)}});
 }
 
-Value product_row(const TwinBench& bench) {
-  double warned = 0.0;
-  std::string warning;
-  for (int k = 0; k < bench.seeds; ++k) {
-    const auto seed = static_cast<std::uint64_t>(bench.first_seed + k);
-    const Course course = run_twin(make_product_twin(seed), bench, Method::hybrid, seed);
-    for (const std::string& sentence : course.estimate.unidentified) {
-      const bool right = sentence.rfind("Only the product of aggregation rate and efficiency is known", 0) == 0;
-      warned += right;
-      if (right || warning.empty()) warning = sentence;
-    }
-  }
-  return Value::object({{"seeds", bench.seeds}, {"warned_share", warned / bench.seeds}, {"warning", warning}});
-}
-
 }  // namespace
 
 Value bench_twins(const TwinBench& bench) {
@@ -143,10 +128,24 @@ Value bench_twins(const TwinBench& bench) {
     for (const Method method : estimation::kMethods)
       if (wanted(method)) rows.push(row_of(method, n, bench));
   return Value::object({{"methods", rows},
-                        {"product", wanted(Method::hybrid) ? product_row(bench) : Value()},
                         {"in_flight", bench.cores},
                         {"lost_share", bench.lost},
                         {"most_evaluations", std::int64_t{bench.most_evaluations}}});
+}
+
+Value bench_product_twin(const TwinBench& bench) {
+  double warned = 0.0;
+  std::string warning;
+  for (int k = 0; k < bench.seeds; ++k) {
+    const auto seed = static_cast<std::uint64_t>(bench.first_seed + k);
+    const Course course = run_twin(make_product_twin(seed), bench, Method::hybrid, seed);
+    for (const std::string& sentence : course.estimate.unidentified) {
+      const bool right = sentence.rfind("Only the product of aggregation rate and efficiency is known", 0) == 0;
+      warned += right;
+      if (right || warning.empty()) warning = sentence;
+    }
+  }
+  return Value::object({{"seeds", bench.seeds}, {"warned_share", warned / bench.seeds}, {"warning", warning}});
 }
 
 }  // namespace granary::pbm

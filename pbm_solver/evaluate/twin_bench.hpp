@@ -21,8 +21,10 @@ struct TwinBench {
 
 /// {"methods": [{name, parameters, seeds, recovered_share (of all parameters' intervals), found_share (of the seeds: a
 /// fit at least as good as the truth's), evaluations_median, evaluations_most (to the end of the search),
-/// with_intervals_median (to the end), seconds}], "product": {warned_share, warning} (with hybrid),
-/// ...}
+/// with_intervals_median (to the end), seconds}], ...}
 json::Value bench_twins(const TwinBench& bench);
+
+/// {seeds, warned_share, warning}: the twin in which only a product can be found.
+json::Value bench_product_twin(const TwinBench& bench);
 
 }  // namespace granary::pbm
