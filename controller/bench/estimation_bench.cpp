@@ -8,7 +8,6 @@
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
-#include "controller/bench/estimation_filling.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/run_program.hpp"
@@ -24,9 +23,9 @@ constexpr double kTimeout = 36000.0;  // [s]
 
 using Words = std::vector<std::string>;
 
-Result<Value> run_json(const Words& argv, const Words& good = {}) {
+Result<Value> run_json(const Words& argv) {
   GRANARY_TRY(const pilot::ProgramOutput ended, pilot::run_program(argv, "", kTimeout));
-  if (ended.exit_code != 0 && std::count(good.begin(), good.end(), std::to_string(ended.exit_code)) == 0)
+  if (ended.exit_code != 0)
     return Error{fmt::format("{} ended with exit code {} (signal {}): {}", fmt::join(argv, " "), ended.exit_code,
                              ended.signal, ended.err.substr(0, 2000)),
                  Exit::task_failed};
@@ -128,10 +127,8 @@ Result<Value> run_estimation_bench(const EstimationBench& bench, const std::func
   say("rate and efficiency, of which only the product can be found");
   GRANARY_TRY(const Value product, run_json({granary_pbm(), "bench", "twins", "--product", "--seeds",
                                              std::to_string(by_effort(bench.effort, 2, 20, 20))}));
-  say("256 simulated cores, with and without fillers");
-  GRANARY_TRY(const Value filling, simulate_filling(bench.dir / "filling"));
   document.set("effort", std::string(name_of(bench.effort))).set("methods", methods);
-  document.set("product", product["product"]).set("filling", filling);
+  document.set("product", product["product"]);
   if (bench.workflow.empty())
     return document.set("coupled_slowdown", Value())
         .set("core_use_on", Value())
@@ -157,14 +154,6 @@ std::string estimation_table(const Value& document) {
   const Value& product = document["product"];
   text += fmt::format("\nProduct: {:.0f} % of {} seeds warned: \"{}\"\n", 100.0 * product["warned_share"].as_number(),
                       product["seeds"].as_integer(), product["warning"].as_string());
-  text +=
-      "\n| DEM cores | PBM cores | core use without | with fillers | longer by | evaluating, core h |\n"
-      "|---|---|---|---|---|---|\n";
-  for (const Value& row : document["filling"].items())
-    text += fmt::format("| {} | {} | {:.1f} % | {:.1f} % | {:.3f} % | {:.0f} |\n", row["dem_cores"].as_integer(),
-                        row["pbm_cores"].as_integer(), 100.0 * row["core_use_off"].as_number(),
-                        100.0 * row["core_use_on"].as_number(), 100.0 * row["slowdown"].as_number(),
-                        row["evaluation_core_s"].as_number() / 3600.0);
   if (!document["coupled_slowdown"].is_null())
     text += fmt::format(
         "\nCoupled campaign with estimation: {:+.1f} % of its time; core use {:.0f} % instead of {:.0f} %\n",

@@ -18,7 +18,7 @@ struct EstimationBench {
   int cores = 0;                   ///< 0: all of this machine
 };
 
-/// {"methods": [{name, parameters, recovered_share, evaluations_median, core_use, ...}], "product", "filling",
+/// {"methods": [{name, parameters, recovered_share, evaluations_median, core_use, ...}], "product",
 /// "coupled_slowdown", "core_use_on", "core_use_off" (null without a workflow), "coupled": {...}}.
 Result<json::Value> run_estimation_bench(const EstimationBench& bench,
                                          const std::function<void(const std::string&)>& say);
