@@ -79,6 +79,15 @@ Result<Exit> status(const fs::path& dir, bool json) {
     fmt::print("  coupling: {} {}, process clock {:.3f} s, DEM clock {:.3f} s\n", coupling.text_or("phase", ""),
                coupling.text_or("burst", ""), coupling.number_or("process_clock_s", 0.0),
                coupling.number_or("dem_clock_s", 0.0));
+  // Of a living pilot its own word, else what it left behind.
+  json::Value fit = status["estimation"];
+  if (!fit.is_object())
+    if (const auto best = json::read_file(dir / "estimation" / "best.json")) fit = *best;
+  if (fit["parameters"].is_array())
+    fmt::print("  estimation: {}, {} evaluations, {:.3g} squares per datum\n", fit.text_or("phase", ""),
+               fit.integer_or("evaluated", 0), fit.number_or("chi_square_per_datum", 0.0));
+  for (const json::Value& one : fit["parameters"].items_or_none())
+    fmt::print("    {:<24} {:.4g}\n", one.text_or("name", "?"), one.number_or("value", 0.0));
   if (!alive && jobs.size() == 0 && can_go_on(status)) fmt::print("  go on with: {}\n", how_to_go_on(dir));
   return Exit::ok;
 }

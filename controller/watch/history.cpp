@@ -37,7 +37,8 @@ std::string burst_of_event(const json::Value& event) {
 void History::take(const pilot::Line& line) {
   ++n_records_;
   const bool of_interest = line.kind.starts_with("task.") || line.kind.starts_with("pilot.") ||
-                           line.kind.starts_with("node.") || line.kind.starts_with("coupling.");
+                           line.kind.starts_with("node.") || line.kind.starts_with("coupling.") ||
+                           line.kind.starts_with("estimation.");
   const auto payload = of_interest ? pilot::parse_json(line.payload) : std::nullopt;
   if (!payload) return;
   if (line.kind == "pilot.open") pilot_opened(*payload, line.wall_time);
@@ -58,6 +59,10 @@ void History::take(const pilot::Line& line) {
     coupling_event(*payload);
   } else if (line.kind == "coupling.decision") {
     decision(*payload);
+  } else if (line.kind == "estimation.adopted") {
+    say(Level::usual, fmt::format("{} takes the best parameters known", burst_words(payload->text_or("burst", "?"))));
+  } else if (line.kind == "estimation.final") {
+    say(Level::usual, "The final run begins, with the parameters as estimated");
   } else if (line.kind.starts_with("task.")) {
     of_task(line.kind.substr(5), *payload);
   }

@@ -32,6 +32,8 @@ std::string standing(const View& view) {
   if (view.phase != Phase::waiting)
     text += fmt::format("; {} of {} cores busy{}", view.busy_cores, view.cores,
                         std::isfinite(view.core_use) ? ", use " + percent(view.core_use) : "");
+  if (view.fit)
+    text += fmt::format("; {} evaluations, {:.3g} squares per datum", view.fit->evaluations, view.fit->misfit);
   if (view.time_left) text += "; " + left_words(view.time_left->least, view.time_left->most);
   return text;
 }

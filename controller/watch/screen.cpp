@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "controller/campaign/estimation.hpp"
 #include "controller/watch/text_chart.hpp"
 #include "controller/watch/words.hpp"
 
@@ -47,6 +48,7 @@ class Screen {
       process();
       steadiness();
     }
+    fit();
     const std::vector<Row> above = std::exchange(rows_, {});
     cores();
     running_tasks();
@@ -163,6 +165,32 @@ class Screen {
          {lines[0], Ink::dem},
          {fmt::format(" {:.3g} collisions, {:.3g} impacts/s each; {:.0f} particles", now.collisions, now.impacts,
                       now.particles)}});
+  }
+
+  /// "fit  0.6 chi2/datum, 131 evaluations, search ▇▅▂▁", then the parameters.
+  void fit() {
+    if (!view_.fit) return;
+    const Fit& fit = *view_.fit;
+    std::vector<double> time, log_cost;
+    for (const Fit::Point& point : fit.points) {
+      time.push_back(point.time);
+      log_cost.push_back(std::log10(std::max(point.cost, 1e-3)));
+    }
+    const auto [least, most] = std::minmax_element(log_cost.begin(), log_cost.end());
+    const double low = *least - 0.05, high = std::max(*most, *least + 0.1);
+    const auto line = area(resampled(time, log_cost, spark_columns()), low, high, 1, unicode_);
+    add({label("fit"),
+         {line[0], Ink::estimation},
+         {fmt::format(" {:.3g} squares per datum after {}, {}", fit.misfit,
+                      plural(static_cast<long>(fit.evaluations), "evaluation", "evaluations"), fit.phase)}});
+    for (const Fit::Parameter& one : fit.parameters) {
+      const std::string interval =
+          std::isfinite(one.low)
+              ? fmt::format(" ({} to {})", campaign::shown(one.low, one.unit), campaign::shown(one.high, one.unit))
+              : "";
+      add({{fmt::format("{:{}}{} {}", "", kLabel, one.name, campaign::shown(one.value, one.unit))},
+           {interval, Ink::soft}});
+    }
   }
 
   void cores() {

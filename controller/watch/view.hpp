@@ -74,6 +74,24 @@ struct RunningTask {
   double seconds = 0.0;
 };
 
+/// What an estimation beside the campaign has found so far.
+struct Fit {
+  struct Parameter {
+    std::string name, unit;                  ///< unit: SI; "1": none
+    double value = kUnknown;                 ///< of the best trial
+    double low = kUnknown, high = kUnknown;  ///< 95 % interval; unknown before it was looked for
+  };
+  struct Point {
+    double time = 0.0;  ///< pilot time [s]
+    double cost = 0.0;  ///< half the sum of squares of the best trial so far; new rates begin anew
+  };
+  std::string phase;                              ///< search, uncertainty, posterior, done
+  std::int64_t evaluations = 0;                   ///< failed ones too
+  double misfit = kUnknown, held_out = kUnknown;  ///< squares of residuals per datum: fitted, held out
+  std::vector<Parameter> parameters;
+  std::vector<Point> points;
+};
+
 /// Mean number of busy cores in equal slices of the pilot's time, by kind of task.
 struct CoreHistory {
   double slice = 1.0;                                             ///< [s]
@@ -114,6 +132,7 @@ struct View {
   std::vector<SizePoint> sizes;
   std::vector<ContactPoint> contacts;
   std::optional<Steadiness> steadiness;
+  std::optional<Fit> fit;
   std::optional<TimeLeft> time_left;
 
   std::vector<Happening> happenings;  ///< the last ones, oldest first

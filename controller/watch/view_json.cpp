@@ -95,6 +95,25 @@ Value of(const RunningTask& task) {
                         {"seconds", task.seconds}});
 }
 
+Value of(const Fit& fit, std::size_t most) {
+  Value parameters = Value::array();
+  for (const Fit::Parameter& one : fit.parameters)
+    parameters.push(Value::object(
+        {{"name", one.name}, {"unit", one.unit}, {"value", one.value}, {"low", one.low}, {"high", one.high}}));
+  std::vector<double> time, cost;
+  for (const std::size_t k : thinned(fit.points.size(), most)) {
+    time.push_back(fit.points[k].time);
+    cost.push_back(fit.points[k].cost);
+  }
+  return Value::object({{"phase", fit.phase},
+                        {"evaluations", fit.evaluations},
+                        {"misfit", fit.misfit},
+                        {"held_out", fit.held_out},
+                        {"parameters", parameters},
+                        {"time_s", time},
+                        {"cost", cost}});
+}
+
 const char* name(Level level) {
   return level == Level::warning ? "warning" : level == Level::minor ? "minor" : "usual";
 }
@@ -145,6 +164,7 @@ json::Value to_json(const View& view, std::size_t most_points) {
                         {"sizes", sizes_of(view.sizes, most_points)},
                         {"contacts", contacts_of(view.contacts, most_points)},
                         {"steadiness", view.steadiness ? of(*view.steadiness) : Value()},
+                        {"fit", view.fit ? of(*view.fit, most_points) : Value()},
                         {"time_left", left},
                         {"happenings", happenings},
                         {"warnings", Value(view.warnings)}});

@@ -27,7 +27,11 @@ std::string_view name(Phase phase) {
 }
 
 Watcher::Watcher(fs::path dir, Sources sources)
-    : dir_(std::move(dir)), sources_(std::move(sources)), tail_(dir_ / "journal.jsonl"), files_(dir_) {}
+    : dir_(std::move(dir)),
+      sources_(std::move(sources)),
+      tail_(dir_ / "journal.jsonl"),
+      files_(dir_),
+      estimation_(dir_) {}
 
 bool Watcher::anything_there() const {
   std::error_code ignored;
@@ -63,6 +67,7 @@ View Watcher::look() {
         [this] {
           history_ = {};
           files_ = BurstFiles(dir_);
+          estimation_ = EstimationFiles(dir_);
         },
         [this](const pilot::Line& line) { history_.take(line); });
   };
@@ -84,6 +89,7 @@ View Watcher::look() {
                                         : history_.last_time();
   fill_tasks(view);
   if (view.coupled) fill_coupling(view);
+  if (!understood["estimation"].is_null()) view.fit = estimation_.look(understood["estimation"]);
   fill_phase(view);
   const bool going_on = view.phase == Phase::running;
   if (going_on && view.coupled) {

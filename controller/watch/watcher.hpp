@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "controller/watch/burst_files.hpp"
+#include "controller/watch/estimation_files.hpp"
 #include "controller/watch/history.hpp"
 #include "controller/watch/journal_tail.hpp"
 #include "controller/watch/view.hpp"
@@ -50,6 +51,7 @@ class Watcher {
   JournalTail tail_;
   History history_;
   BurstFiles files_;
+  EstimationFiles estimation_;
   json::Value campaign_;  ///< campaign.json; null before it is there
   json::Value status_, queue_;
   std::string status_problem_;
