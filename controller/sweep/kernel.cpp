@@ -43,7 +43,9 @@ Result<ResolvedCase> read_resolved(const SweepCase& from, const fs::path& folder
   const fs::path file = folder / "fragments.jsonl";
   GRANARY_TRY(const auto lines, json::LineReader(file).next());
   GRANARY_TRY(one.history, estimation::history_of(lines, file.string()));
-  one.records = estimation::records_of(one.history, estimation::size_bounds(one.spheres), options.from);
+  std::erase_if(one.history, [&](const estimation::FragmentSample& sample) { return sample.time < options.from; });
+  if (!one.history.empty()) one.history.front().splits.clear();  // they came before
+  one.records = estimation::records_of(one.history, estimation::size_bounds(one.spheres));
   one.trained = !is_held_out(one, options.held_out);
   return one;
 }

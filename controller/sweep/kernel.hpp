@@ -32,7 +32,7 @@ struct ResolvedCase {
 
 struct KernelOptions {
   std::vector<std::string> held_out;  ///< names of cases, or values of settings ("200 rpm"): not fitted, only compared
-  double from = 0.0;                  ///< what breaks before is not looked at [s]
+  double from = 0.0;                  ///< samples before are left out; the balance begins with the first after [s]
 };
 
 /// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + sum_k c_k ln(setting_k))

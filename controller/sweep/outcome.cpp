@@ -114,7 +114,9 @@ void add_cost(const pilot::Pilot& pilot, const SweepCase& from, CaseResult& one)
   one.state = "waiting";
   const auto id = pilot.find(task_name(from));
   if (!id) return;
-  one.state = std::string(pilot::name_of(pilot.state(*id)));
+  // A pilot that only looks back would queue again what had been running.
+  const bool over = pilot::has_ended(pilot.state(*id));
+  one.state = over ? std::string(pilot::name_of(pilot.state(*id))) : "unfinished";
   if (const auto end = pilot.end(*id)) {
     one.wall = end->end - end->start;
     one.cpu = end->cpu_s;

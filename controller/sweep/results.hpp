@@ -29,7 +29,7 @@ struct Curve {
 struct CaseResult {
   std::string name;                 ///< "0001"
   std::vector<std::string> values;  ///< of the swept settings, as written; "" as in the workflow; shape (S)
-  std::string state;                ///< finished | failed | stopped | waiting | running: of its task
+  std::string state;                ///< finished | failed | stopped | unfinished | waiting: of its task
   double wall = 0.0;                ///< [s]
   double cpu = 0.0;                 ///< [s]
   std::vector<Figure> figures;      ///< at its end

@@ -52,8 +52,7 @@ Result<FragmentHistory> history_of(const std::vector<json::Value>& lines, const 
   return history;
 }
 
-std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::vector<int>& bounds, double from,
-                                   double to) {
+std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::vector<int>& bounds) {
   std::vector<SizeRecord> records;
   for (std::size_t c = 0; c + 1 < bounds.size(); ++c) records.push_back({bounds[c], bounds[c + 1] - 1, 0.0, 0.0, {}});
   const auto class_of = [&](int size) {
@@ -64,7 +63,6 @@ std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::ve
   std::vector<double> began(records.size(), 0.0);     // fragments that were there at the start of an interval
   for (std::size_t i = 1; i < history.size(); ++i) {
     const double dt = history[i].time - history[i - 1].time;
-    if (history[i - 1].time < from || history[i].time > to * (1.0 + 1e-12)) continue;
     for (const auto& [size, n] : history[i - 1].alive) {
       if (!known(size)) continue;
       at_start[class_of(size)] += static_cast<double>(n) * dt;

@@ -41,9 +41,7 @@ struct SizeRecord {
 /// One record for each class of sizes, [bounds[c], bounds[c + 1]). A fragment counts from sample to sample; the
 /// exposure of those that were split in between is that of a constant rate r that splits a share p within dt:
 /// r = -ln(1 - p) / dt, so that splits / exposure is r itself and not only to first order in r dt.
-/// @param from, to  only samples of this time [s]
-std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::vector<int>& bounds, double from = 0.0,
-                                   double to = 1e300);
+std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::vector<int>& bounds);
 
 /// Classes of sizes that grow by about a fifth: {2, 3, 4, 5, 6, 8, 10, ..., largest, largest + 1}; the last class is
 /// the whole agglomerates alone.
