@@ -8,6 +8,7 @@
 #include "common/json/io.hpp"
 #include "controller/commands/commands.hpp"
 #include "controller/commands/estimate.hpp"
+#include "controller/commands/finish.hpp"
 #include "controller/estimation/crew_settings.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "controller/estimation/estimation_text.hpp"
@@ -59,6 +60,16 @@ Result<Campaign> read(const RunOptions& options) {
   return campaign;
 }
 
+/// Nothing was coupled: what there is to report is the estimation.
+coupling::State ended(const Crew& crew) {
+  coupling::State state;
+  state.phase = coupling::Phase::ended;
+  state.ended = crew.done() ? coupling::End::How::limit : coupling::End::How::stopped;
+  state.why_ended.message = crew.done() ? "the parameters' intervals are known, or all evaluations are used up"
+                                        : "stopped before the parameters' intervals were known";
+  return state;
+}
+
 }  // namespace
 
 bool is_estimate(const Session& session) { return !session.journal.records(kBegan).empty(); }
@@ -89,6 +100,9 @@ Result<Exit> run_estimate(Session& session, bool json, bool quiet) {
   const json::Value report =
       estimating::report_json(crew, problem, session.pilot->usage(), session.pilot->now(), session.dir);
   GRANARY_CHECK(json::write_file(session.dir / "estimation" / "report.json", report));
+  GRANARY_CHECK(crew.write_best());
+  const run::FileHandover handover(session.campaign, session.dir, program_folder());
+  GRANARY_TRY([[maybe_unused]] const CampaignResults results, finish(session, handover, ended(crew)));
   if (json)
     fmt::print("{}\n", json::dump(report, 1));
   else

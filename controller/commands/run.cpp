@@ -9,6 +9,7 @@
 #include "controller/campaign/campaign.hpp"
 #include "controller/commands/commands.hpp"
 #include "controller/commands/estimate.hpp"
+#include "controller/commands/finish.hpp"
 #include "controller/commands/run_sweep.hpp"
 #include "controller/commands/session.hpp"
 #include "controller/report/report.hpp"
@@ -25,10 +26,6 @@ namespace fs = std::filesystem;
 using campaign::Campaign;
 
 namespace {
-
-double first_wall_time(const pilot::Journal& journal, double otherwise) {
-  return journal.first_wall_time().value_or(otherwise);
-}
 
 /// Every program the campaign will need, before anything is started: all that are missing at once.
 Status check_programs(const Campaign& campaign) {
@@ -48,25 +45,6 @@ Status check_programs(const Campaign& campaign) {
       missing += (missing.empty() ? "" : "\n") + found.error().message;
   if (missing.empty()) return {};
   return Error{missing + "\n./dev build installs and builds all that a campaign needs."};
-}
-
-/// Results and report of all bursts that are over, whatever the campaign's end.
-Result<CampaignResults> finish(Session& session, const run::FileHandover& handover,
-                               const run::CampaignRun& campaign_run) {
-  run::RunRecord record;
-  record.state = campaign_run.state();
-  record.ends = session.pilot->ends();
-  record.timeline = session.pilot->timeline();
-  record.estimation = session.journal.records("estimation.");
-  record.cores = session.machine.n_cores();
-  record.wall = session.pilot->now();
-  record.started = run::iso_time(first_wall_time(session.journal, session.loop.wall_time() - session.loop.now()));
-  record.finished = run::iso_time(session.loop.wall_time());
-  GRANARY_TRY(CampaignResults results, run::collect(session.campaign, handover, session.dir, record));
-  GRANARY_CHECK(write_results(results, session.dir / "results.h5"));
-  if (session.campaign.outputs.report)
-    GRANARY_CHECK(report::write_report(session.dir / "results.h5", session.dir / "report.html"));
-  return results;
 }
 
 Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
@@ -105,7 +83,7 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   if (session.pilot->failure()) return *session.pilot->failure();
   if (campaign_run.failure()) return *campaign_run.failure();
 
-  GRANARY_TRY(const CampaignResults results, finish(session, handover, campaign_run));
+  GRANARY_TRY(const CampaignResults results, finish(session, handover, campaign_run.state()));
   const fs::path results_h5 = session.dir / "results.h5";
   const fs::path report_html = session.campaign.outputs.report ? session.dir / "report.html" : fs::path();
   if (json) {

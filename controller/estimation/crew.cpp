@@ -217,8 +217,10 @@ Status Crew::report_now_and_then() {
   if (often_enough && estimator_->phase() == reported_phase_ && !done()) return {};
   reported_ = evaluated;
   reported_phase_ = estimator_->phase();
-  return write_quickly(folder_ / "best.json", status());
+  return write_best();
 }
+
+Status Crew::write_best() const { return write_quickly(folder_ / "best.json", status()); }
 
 Value Crew::status() const {
   if (!begun()) return Value::object();

@@ -56,6 +56,8 @@ class Crew {
   long evaluated_now() const { return begun() ? estimator_->evaluated_now() : 0; }
   /// What best.json says: the estimate, {"phase", "asked", "evaluated", "failed", "late", "seconds" of computing}.
   json::Value status() const;
+  /// Now; else it is done now and then.
+  Status write_best() const;
 
  private:
   struct Batch {
