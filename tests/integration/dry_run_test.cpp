@@ -50,6 +50,25 @@ TEST(DryRun, NeverGivesACoreToTwoTasksAtOnce) {
   }
 }
 
+TEST(DryRun, FillsIdleCoresWithAnEstimationAndTakesNoLonger) {
+  std::vector<std::string> arguments{"run",       (kSource / "workflows/cm5.json").string(),
+                                     "--dry-run", "--json",
+                                     "--cores",   "256",
+                                     "--set",     "/dem/ranks=128",
+                                     "--set",     "/pbm/ranks=8"};
+  const auto without = granary_json(arguments);
+  arguments.insert(
+      arguments.end(),
+      {"--set", R"(/estimation={"parameters": [{"name": "rate", "key": "/pbm/aggregation/rate", "from": 1e-4,
+                               "to": 10}], "targets": [{"quantity": "d50", "at": "90 s", "value": "100 um",
+                               "error": "5 %"}]})"});
+  const auto with = granary_json(arguments);
+
+  EXPECT_LT(without.number_or("core_use", 1.0), 0.6);
+  EXPECT_GT(with.number_or("core_use", 0.0), 0.9);
+  EXPECT_LE(with.number_or("wall_s", 1e9), 1.02 * without.number_or("wall_s", 0.0));
+}
+
 TEST(DryRun, NeedsNeitherLiggghtsNorMpiAndWritesNothing) {
   const Scratch scratch;
   // env -i: no PATH to find any program by.
