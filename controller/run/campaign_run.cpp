@@ -40,8 +40,10 @@ Status CampaignRun::begin() {
       if (const auto id = pilot_.find(name)) pilot_.stop(*id, "the campaign was resumed");
   }
   if (companion_ != nullptr) GRANARY_CHECK(companion_->begin(state_));
-  later(begun ? Event(Resumed{}) : Event(Began{}));
-  if (came_to_its_end(state_)) loop_.post([this] { finish(); });
+  if (came_to_its_end(state_))
+    loop_.post([this] { finish(); });
+  else
+    later(begun ? Event(Resumed{}) : Event(Began{}));
   return {};
 }
 
