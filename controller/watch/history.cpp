@@ -44,8 +44,9 @@ void History::take(const pilot::Line& line) {
   if (line.kind == "pilot.open") pilot_opened(*payload, line.wall_time);
   // The coupling's records carry no pilot time; the wall clock since the pilot began says it.
   const double by_wall = base_time_ + line.wall_time - base_wall_;
-  last_time_ = std::max(last_time_, payload->number_or("time_s", kUnknown));
-  if (line.kind.starts_with("coupling.") && by_wall > last_time_) last_time_ = by_wall;
+  const bool of_coupling = line.kind.starts_with("coupling.");  // whose times are those of the bursts' own clocks
+  last_time_ = std::max(last_time_, of_coupling ? kUnknown : payload->number_or("time_s", kUnknown));
+  if (of_coupling && by_wall > last_time_) last_time_ = by_wall;
 
   if (line.kind == "pilot.close") {
     pilot_open_ = false;
