@@ -165,7 +165,9 @@ std::string estimation_html(const CampaignResults& r) {
   const EstimationSummary& e = r.estimation;
   std::string html = panel(parameters_table(e));
   for (const std::string& warning : e.warnings) html += panel("<strong>" + escaped(warning) + "</strong>");
-  html += "<div class=\"two\">\n" + panel(summary_table(r)) + panel(correlations_table(e)) + "</div>\n";
+  const std::string correlations = correlations_table(e);
+  html += "<div class=\"two\">\n" + panel(summary_table(r)) + (correlations.empty() ? "" : panel(correlations)) +
+          "</div>\n";
   std::vector<std::vector<std::string>> rows;
   for (std::size_t k = 0; k < e.adopted_by.size(); ++k) {
     std::string values;
