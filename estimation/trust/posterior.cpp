@@ -48,6 +48,7 @@ struct Proposal {
 struct Sample {
   VectorXd at;
   double cost;
+  double density = 0.0;  ///< of all proposals but the last pair, each times its draws
 };
 
 }  // namespace
@@ -68,20 +69,28 @@ struct Posterior::State {
   void weigh() {
     if (!stale) return;
     stale = false;
-    double least = 1e300, drawn = 0.0;
+    double least = 1e300;
     for (const Sample& s : samples) least = std::min(least, s.cost);
-    for (const Proposal& p : proposals) drawn += p.drawn;
     weights.clear();
     for (const Sample& s : samples) {
-      double density = 0.0;
-      for (const Proposal& p : proposals) density += p.drawn / drawn * p.density(s.at);
+      const double density = s.density + density_of(proposals.end() - 2, proposals.end(), s.at);
       weights.push_back(density > 0.0 ? std::exp((least - s.cost) / misfit) / density : 0.0);
     }
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     for (double& w : weights) w /= sum;
   }
 
+  static double density_of(std::vector<Proposal>::const_iterator from, std::vector<Proposal>::const_iterator to,
+                           const VectorXd& at) {
+    double density = 0.0;
+    for (; from != to; ++from) density += from->drawn * from->density(at);
+    return density;
+  }
+
   void propose(const VectorXd& mean, const MatrixXd& covariance) {
+    // Nothing is drawn from the last pair any more.
+    if (!proposals.empty())
+      for (Sample& s : samples) s.density += density_of(proposals.end() - 2, proposals.end(), s.at);
     spread = covariance;
     proposals.emplace_back(mean, covariance, kWidenMore);
     proposals.emplace_back(mean, covariance, kWiden);
@@ -133,7 +142,11 @@ Point Posterior::ask() {
 }
 
 void Posterior::tell(const Point& at, const std::optional<Residuals>& residuals) {
-  if (residuals && cost_of(*residuals) < 1e300) state_->samples.push_back({vector_of(at), cost_of(*residuals)});
+  if (residuals && cost_of(*residuals) < 1e300) {
+    const auto& proposals = state_->proposals;
+    const VectorXd x = vector_of(at);
+    state_->samples.push_back({x, cost_of(*residuals), State::density_of(proposals.begin(), proposals.end() - 2, x)});
+  }
   state_->stale = !state_->samples.empty();
   const auto batch = 40 + 10 * at.size();
   if (state_->samples.size() < state_->adapted_at + batch) return;

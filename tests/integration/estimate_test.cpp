@@ -65,7 +65,7 @@ void expect_found(const Value& report) {
 TEST_F(Estimate, FindsWhatWasHiddenAfterAStopAndAKill) {
   {
     Background first({kGranary, "estimate", kTwin, "--dir", dir, "--cores", "2", "--quiet", "--set",
-                      "/estimation/most_evaluations=500"});
+                      "/estimation/most_evaluations=400", "--set", "/outputs/report=false"});
     ASSERT_TRUE(waits_for(30));
     first.signal(SIGINT);
     EXPECT_EQ(4, first.exit_code());

