@@ -63,6 +63,8 @@ int main(int argc, char** argv) {
   estimate->add_option("--dir", options.dir, "Run directory (default: runs/NAME)");
   estimate->add_option("--cores", options.cores, "Cores (of a node) to use (default: the workflow's, else all)")
       ->check(CLI::PositiveNumber);
+  estimate->add_option("--virtual-nodes", options.virtual_nodes, "Agents on this machine, as in `run`")
+      ->check(CLI::Range(1, 64));
   estimate->add_option("--set", options.overrides, "Override a setting: /pointer=value (may be repeated)");
   estimate->add_flag("--json", options.json, "Print one JSON document on stdout and nothing else");
   estimate->add_flag("-q,--quiet", options.quiet, "No progress");
