@@ -146,6 +146,17 @@ function drawContacts(view) {
   put($("contacts"), chart);
 }
 
+function drawFit(view) {
+  $("fit").hidden = !view.fit;
+  if (!view.fit) return;
+  const {time_s: time, cost} = view.fit;
+  if (time.length < 2) return put($("objective"), null);
+  const logs = cost.map((c) => (c > 0 ? Math.log10(c) : null));
+  const chart = new Chart(1260, 230, [time[0], time[time.length - 1]], range(logs), "wall time [s]", "log10 of half the sum of squares");
+  chart.curve(time, logs, {class: "estimation"});
+  put($("objective"), chart);
+}
+
 function drawCores(view) {
   const {slice_s: slice, busy} = view.core_history;
   const kinds = Object.keys(busy);
@@ -199,6 +210,13 @@ function steadyCard(view) {
   return card(`${yes} of 3 signs of steady`, `DEM quiet ${short(s.quiet_time_s)} of ${short(s.window_s)} s; ${s.rounds} of at least ${s.least_rounds} rounds; ${change}`, {good: yes === 3});
 }
 
+function fitCards(view) {
+  if (!view.fit) return [];
+  const shown = (p, v) => (p.unit === "m" ? um(v) + " um" : short(v) + (p.unit === "1" ? "" : " " + p.unit));
+  const fit = card(short(view.fit.misfit), `squares per datum after ${view.fit.evaluations} evaluations on idle cores (${view.fit.phase})`);
+  return [fit, ...view.fit.parameters.map((p) => card(shown(p, p.value), known(p.low) ? `${p.name}; 95 % within ${shown(p, p.low)} to ${shown(p, p.high)}` : p.name))];
+}
+
 function cards(view) {
   const list = [card(duration(view.time_s), "wall time"), timeLeft(view)];
   if (view.coupled) {
@@ -211,6 +229,7 @@ function cards(view) {
     if (n >= 0) list.push(card(Math.round(c.particles[n]) + " particles", `in the DEM; ${short(c.collisions_1_s[n])} collisions and ${short(c.impacts_1_s[n])} impacts a second for each`));
     list.push(steadyCard(view));
   }
+  list.push(...fitCards(view));
   const idle = view.phase === "ended" || view.phase === "waiting";
   list.push(card(percent(view.core_use), idle ? `core use of ${view.cores} cores` : `core use; now ${view.busy_cores} of ${view.cores} busy`, {share: view.core_use, kind: "estimation"}));
   const counts = Object.entries(view.counts).map(([state, n]) => `${n} ${state}`).join(", ");
@@ -249,6 +268,7 @@ function show(view) {
   $("cores-caption").textContent = `Core seconds used: ${percent(view.core_use)} of ${view.cores} cores` + (view.core_use_fillers > 0 ? `, of which estimation ${percent(view.core_use_fillers)}.` : ".");
   cards(view);
   if (view.coupled) drawSizes(view), drawContacts(view);
+  drawFit(view);
   drawCores(view);
   tables(view);
 }
