@@ -32,7 +32,8 @@ Result<Campaign> coupled(const std::string& targets, const std::string& further 
       "machine": {"type": "cm5", "impeller_speed": "2000 rpm", "compartments": 4}, "feed": {"rate": "15 kg/h"},
       "spray": {"liquid_to_solid": 0.3}, "process": {"duration": "60 s", "residence_time": "5 s"},
       "pbm": {"aggregation": {"rate": 0.004}, "consolidation": {"rate": "0.1 1/s"}},
-      "estimation": {"parameters": [{"name": "rate", "key": "/pbm/aggregation/rate", "from": 1e-4, "to": 1}], "targets": [)"
+      "estimation": {"parameters": [{"name": "rate", "key": "/pbm/aggregation/rate", "from": 1e-4, "to": 1}],
+                     "targets": [)"
                       << targets << "]" << further << "}}";
   return read_campaign(file);
 }
