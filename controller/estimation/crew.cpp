@@ -101,7 +101,10 @@ Result<std::vector<pilot::TaskSpec>> Crew::next() {
   if (!begun() || done()) return tasks;
   // One more than the cores, or a few: the next is there when one ends.
   const auto wanted = static_cast<std::size_t>(settings_.cores + 1 + settings_.cores / 8);
-  while (open_.size() < wanted && !exhausted_) GRANARY_CHECK(add_batch());
+  for (std::size_t before = wanted; open_.size() < wanted && open_.size() != before;) {
+    before = open_.size();
+    GRANARY_CHECK(add_batch());
+  }
   for (auto& [name, batch] : open_) {
     if (batch.submitted) continue;
     GRANARY_CHECK(write_trials(batch));
@@ -113,8 +116,8 @@ Result<std::vector<pilot::TaskSpec>> Crew::next() {
 
 Status Crew::add_batch() {
   std::vector<Trial> trials = estimator_->ask(trials_for_a_batch());
-  exhausted_ = trials.empty();
-  if (exhausted_) return {};
+  exhausted_ = trials.empty() && open_.empty();
+  if (trials.empty()) return {};
   const int number = ++batches_;
   GRANARY_CHECK(log_->batch(number, trials));
   open_[task_name(number)] = {number, std::move(trials), false};

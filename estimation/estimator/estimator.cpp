@@ -62,9 +62,12 @@ struct Estimator::State {
 
   std::optional<Trial> next() {
     if (asked_now >= settings.most_evaluations) return std::nullopt;
-    if (phase == Phase::search && again.empty() && best.trial >= 0 &&
-        (search->converged() || asked_now >= settings.most_evaluations - reserved()))
-      take_differences();
+    if (phase == Phase::search && again.empty() && best.trial >= 0) {
+      const bool last_ones = asked_now >= settings.most_evaluations - reserved();
+      // The best may still be on its way, and the differences are to be about it.
+      if (last_ones && !waiting.empty()) return std::nullopt;
+      if (last_ones || search->converged()) take_differences();
+    }
     ++asked_now;
     const long number = next_number++;
     const auto [it, is_new] = waiting.emplace(number, what_next());
@@ -128,9 +131,11 @@ struct Estimator::State {
   /// What follows from what is known now.
   void settle() {
     const bool last = asked_now >= settings.most_evaluations && waiting.empty();
+    const bool enough_left = asked_now < settings.most_evaluations - 2 * reserved();
     if (phase == Phase::search && last && best.trial >= 0) take_differences();
     if (phase == Phase::uncertainty || phase == Phase::posterior)
-      if (best.cost < differences->cost() - kWorthSearching && returns < kMostReturns && !last) return search_again();
+      if (best.cost < differences->cost() - kWorthSearching && returns < kMostReturns && enough_left)
+        return search_again();
     if (phase == Phase::uncertainty && (differences->complete() || last)) begin_posterior();
     // Seldom: all weights are worked out anew for it.
     if (phase == Phase::posterior && posterior->samples() % 50 == 0 && posterior->converged()) phase = Phase::done;
@@ -284,8 +289,12 @@ Estimate Estimator::estimate() const {
   e.correlation = u.correlation;
   e.at_bound = u.at_bound;
   for (const Unidentified& one : u.unidentified) e.unidentified.push_back(sentence_of(one, s.problem.parameters));
-  e.low = values_at(s.problem.parameters, u.low);
-  e.high = values_at(s.problem.parameters, u.high);
+  // The best may have moved since, and no evaluations been left for differences about it.
+  for (std::size_t k = 0; k < e.values.size(); ++k) {
+    const double moved = s.best.at[k] - s.differences->centre()[k];
+    e.low.push_back(s.problem.parameters[k].value_at(std::clamp(u.low[k] + moved, 0.0, 1.0)));
+    e.high.push_back(s.problem.parameters[k].value_at(std::clamp(u.high[k] + moved, 0.0, 1.0)));
+  }
   e.effective_samples = s.posterior->samples() > 0 ? s.posterior->effective_samples() : 0.0;
   e.from_posterior = e.effective_samples >= kEnoughSamples;
   for (std::size_t k = 0; e.from_posterior && k < e.values.size(); ++k) {

@@ -65,8 +65,9 @@ class Estimator {
   Estimator& operator=(Estimator&&) noexcept;
   ~Estimator();
 
-  /// What to run next; the numbers rise, over all versions. Never waits for results. Empty once most_evaluations have
-  /// been asked for. When done it goes on sampling the posterior: the caller may stop asking.
+  /// What to run next; the numbers rise, over all versions. Never waits for results, but for the
+  /// last ones: differences, which are to be about the best of all that is on its way. Empty then, and once
+  /// most_evaluations have been asked for. When done it goes on sampling the posterior: the caller may stop asking.
   std::vector<Trial> ask(int count);
   /// nullopt: it failed, or was lost. Trials of an older version are counted as late and ignored.
   void tell(long trial, const std::optional<Outcome>& outcome);
