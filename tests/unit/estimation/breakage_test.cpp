@@ -168,7 +168,8 @@ TEST(FragmentHistory, IsReadFromItsLinesAndHeldAgainstItself) {
   const auto line = [](const char* text) { return json::parse(text, "line").value(); };
   const json::Value first = line(R"({"time_s": 0.0, "sizes": [[37, 2]], "splits": []})");
   const json::Value second = line(
-      R"({"time_s": 0.1, "sizes": [[2, 1], [35, 1], [37, 1]], "splits": [{"parent": 37, "daughters": [35, 2], "cause": "chopper"}]})");
+      R"({"time_s": 0.1, "sizes": [[2, 1], [35, 1], [37, 1]],
+          "splits": [{"parent": 37, "daughters": [35, 2], "cause": "chopper"}]})");
   const json::Value wrong =
       line(R"({"time_s": 0.1, "sizes": [], "splits": [{"parent": 37, "daughters": [35, 1], "cause": "chopper"}]})");
 
