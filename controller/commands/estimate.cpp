@@ -9,6 +9,7 @@
 #include "controller/commands/commands.hpp"
 #include "controller/commands/estimate.hpp"
 #include "controller/commands/finish.hpp"
+#include "controller/commands/past.hpp"
 #include "controller/estimation/crew_settings.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "controller/estimation/estimation_text.hpp"
@@ -21,7 +22,6 @@ using estimating::Crew;
 
 namespace {
 
-constexpr const char* kBegan = "estimate.began";
 constexpr double kTerminalPeriod = 0.5;  // [s]
 constexpr double kPlainPeriod = 5.0;     // [s]
 
@@ -72,11 +72,11 @@ coupling::State ended(const Crew& crew) {
 
 }  // namespace
 
-bool is_estimate(const Session& session) { return !session.journal.records(kBegan).empty(); }
+bool is_estimate(const Session& session) { return !session.journal.records(kEstimateBegan).empty(); }
 
 Result<Exit> run_estimate(Session& session, bool json, bool quiet) {
   GRANARY_TRY(const estimation::Problem problem, estimating::problem_of(session.campaign));
-  if (!is_estimate(session)) GRANARY_CHECK(session.journal.append(kBegan, json::Value::object()));
+  if (!is_estimate(session)) GRANARY_CHECK(session.journal.append(kEstimateBegan, json::Value::object()));
   estimating::CrewSettings settings =
       estimating::crew_settings(*session.campaign.estimation, session.dir, program_folder(), session.machine.n_cores());
   settings.until_done = true;

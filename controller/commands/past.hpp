@@ -13,6 +13,9 @@
 
 namespace granary::commands {
 
+/// Journalled by `granary estimate`: its campaign couples nothing.
+inline constexpr const char* kEstimateBegan = "estimate.began";
+
 /// The same pilot on a copy of the journal in memory, at the moment the campaign would go on.
 struct Past {
   pilot::VirtualLoop loop;

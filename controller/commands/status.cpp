@@ -14,7 +14,8 @@ Result<json::Value> past_status(const fs::path& dir) {
     return json::Value::object({{"counts", json::Value::object()}});  // submitted, and not begun
   GRANARY_TRY(const auto past, past_of(dir));
   json::Value status = past->pilot->status();
-  if (past->campaign.kind == campaign::Kind::coupled) status.set("coupling", coupling::to_json(past->coupling));
+  if (past->campaign.kind == campaign::Kind::coupled && past->journal.records(kEstimateBegan).empty())
+    status.set("coupling", coupling::to_json(past->coupling));
   return status;
 }
 

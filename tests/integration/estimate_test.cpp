@@ -15,6 +15,7 @@ namespace {
 using json::Value;
 using test::Background;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kGranary = (test::kPrograms / "granary").string();
 const std::string kTwin = (test::kSource / "workflows" / "estimate_twin.json").string();
@@ -71,6 +72,7 @@ TEST_F(Estimate, FindsWhatWasHiddenAfterAStopAndAKill) {
     EXPECT_EQ(4, first.exit_code());
   }
   const auto before = trials();
+  EXPECT_THAT(test::granary({"status", dir}).out, HasSubstr("granary resume"));
   {
     Background second({kGranary, "resume", dir, "--quiet"});
     ASSERT_TRUE(waits_for(before.size() + 60));
@@ -87,6 +89,7 @@ TEST_F(Estimate, FindsWhatWasHiddenAfterAStopAndAKill) {
   const auto again = test::granary({"resume", dir, "--quiet"});
   EXPECT_EQ(0, again.exit_code);
   EXPECT_THAT(again.out, HasSubstr("aggregation rate"));
+  EXPECT_THAT(test::granary({"status", dir}).out, Not(HasSubstr("granary resume")));
 }
 
 TEST_F(Estimate, RefusesAWorkflowThatFitsNothingBeforeItMakesAFolder) {
