@@ -227,14 +227,15 @@ TEST_F(Connections, ThatSendTooMuchWaitAndLoseNothingAndOthersAreServed) {
                 Channel::Events{[&] {
                                   for (std::int64_t n = 0; n < kAll; ++n) flood->send(json::Value::object({{"n", n}}));
                                 },
-                                [](const json::Value&) {},
-                                [](const std::string& why) { FAIL() << why; }});
+                                [](const json::Value&) {}, [](const std::string& why) { FAIL() << why; }});
   run_until([&] { return taken > kMostInASecond / 2; });
   const double begin = loop.now();
   quiet.emplace(loop, connect_tcp({"127.0.0.1"}, listener->port(), 1.0).value(),
                 Handshake::call(secret, Role::agent, "quiet"),
-                Channel::Events{[&] { quiet->send(json::Value::object({{"n", 1}})); }, [](const json::Value&) {},
-                                [](const std::string& why) { FAIL() << why; }});
+                Channel::Events{[&] {
+                                  quiet->send(json::Value::object({{"n", 1}}));
+                                },
+                                [](const json::Value&) {}, [](const std::string& why) { FAIL() << why; }});
   run_until([&] { return taken_when_served >= 0; });
   EXPECT_LE(taken_when_served, kMostInASecond + kMostInAFrame);
   run_until([&] { return taken == kAll; });
