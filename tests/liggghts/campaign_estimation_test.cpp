@@ -1,17 +1,15 @@
 // A coupled campaign that fits parameters on the core its DEM leaves idle: real LIGGGHTS, real balances, made small.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <thread>
 
 #include "common/files.hpp"
 #include "common/results/campaign_results.hpp"
 #include "pilot/journal/journal.hpp"
 #include "tests/support/granary_program.hpp"
+#include "tests/support/killed_campaign.hpp"
 
 namespace granary::test {
 namespace {
@@ -102,20 +100,7 @@ TEST(CampaignEstimation, FitsOnIdleCoresAdoptsWhatItKnowsAndRunsTheBalanceOnceMo
 TEST(CampaignEstimation, GoesOnAfterAKillOfThePilotWithWhatItKnew) {
   const Scratch scratch;
   const fs::path dir = scratch / "run";
-  auto arguments = small_campaign(dir);
-  arguments.insert(arguments.begin(), (kPrograms / "granary").string());
-  std::thread killer([&] {
-    const fs::path sign = dir / "bursts/0003-dem/tallies.jsonl";
-    for (int i = 0; i < 1200 && !fs::exists(sign); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    int pid = 0;
-    std::ifstream(dir / "pilot.lock") >> pid;
-    ASSERT_GT(pid, 1);
-    EXPECT_EQ(0, ::kill(pid, SIGKILL));
-  });
-  const auto killed = pilot::run_program(arguments, "", 240.0);
-  killer.join();
-  ASSERT_TRUE(killed);
-  ASSERT_EQ(SIGKILL, killed->signal) << killed->err;
+  ASSERT_NO_FATAL_FAILURE(run_and_kill(small_campaign(dir), dir, "bursts/0003-dem/tallies.jsonl", 60.0));
   const auto before = json::LineReader(dir / "estimation/evaluations.jsonl").next();
   ASSERT_TRUE(before);
 

@@ -4,7 +4,6 @@
 #include <signal.h>
 #include <sys/mount.h>
 
-#include <fstream>
 #include <map>
 #include <thread>
 
@@ -12,6 +11,7 @@
 #include "common/results/campaign_results.hpp"
 #include "pilot/journal/journal.hpp"
 #include "tests/support/granary_program.hpp"
+#include "tests/support/killed_campaign.hpp"
 
 namespace granary::test {
 namespace {
@@ -77,21 +77,8 @@ TEST(Campaign, CouplesRealLiggghtsAndPbmBothWays) {
 TEST(Campaign, GoesOnAfterAKillOfThePilotAndRunsNoFinishedBurstAgain) {
   const Scratch scratch;
   const fs::path dir = scratch / "run";
-  auto arguments = small_campaign(dir);
-  arguments.insert(arguments.begin(), (kPrograms / "granary").string());
-  std::thread killer([&] {
-    // As soon as the second round's DEM burst writes tallies: in the middle of a task.
-    const fs::path sign = dir / "bursts/0002-dem/tallies.jsonl";
-    for (int i = 0; i < 600 && !fs::exists(sign); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    int pid = 0;
-    std::ifstream(dir / "pilot.lock") >> pid;
-    ASSERT_GT(pid, 1);
-    EXPECT_EQ(0, ::kill(pid, SIGKILL));
-  });
-  const auto killed = pilot::run_program(arguments, "", 240.0);
-  killer.join();
-  ASSERT_TRUE(killed);
-  ASSERT_EQ(SIGKILL, killed->signal) << killed->err;
+  // As soon as the second round's DEM burst writes tallies: in the middle of a task.
+  ASSERT_NO_FATAL_FAILURE(run_and_kill(small_campaign(dir), dir, "bursts/0002-dem/tallies.jsonl", 30.0));
 
   const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
 
