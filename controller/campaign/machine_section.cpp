@@ -38,9 +38,11 @@ void read_bowl(json::Reader& reader, dem::Machine& machine) {
   read_length(reader, "impeller_diameter", bowl.impeller_diameter);
   read_count(reader, "impeller_blades", bowl.impeller_blades);
   bowl.impeller_pitch = reader.quantity_or("impeller_pitch", bowl.impeller_pitch, "rad", {0.0, 1.58, false, true});
+  read_length(reader, "impeller_blade_width", bowl.impeller_blade_width);
   read_length(reader, "chopper_diameter", bowl.chopper_diameter);
   read_count(reader, "chopper_blades", bowl.chopper_blades);
   read_length(reader, "chopper_clearance", bowl.chopper_clearance);
+  read_length(reader, "chopper_position", bowl.chopper_position);
   machine.chopper_speed =
       reader.quantity_or("chopper_speed", machine.chopper_speed, "rad/s", json::Range::not_negative());
 }
@@ -56,10 +58,10 @@ void refuse_others(json::Reader& reader, const std::string& type, const std::str
 void read_dimensions(json::Reader& reader, dem::Machine& machine) {
   if (machine.type == dem::Machine::Type::cm5) {
     read_mixer(reader, machine.mixer);
-    refuse_others(
-        reader, "cm5", "batch_bowl",
-        {"bottom_diameter", "cylinder_height", "cover_diameter", "cover_height", "lid_height", "impeller_blades",
-         "impeller_pitch", "chopper_diameter", "chopper_blades", "chopper_clearance", "chopper_speed"});
+    refuse_others(reader, "cm5", "batch_bowl",
+                  {"bottom_diameter", "cylinder_height", "cover_diameter", "cover_height", "lid_height",
+                   "impeller_blades", "impeller_pitch", "impeller_blade_width", "chopper_diameter", "chopper_blades",
+                   "chopper_clearance", "chopper_position", "chopper_speed"});
   } else {
     read_bowl(reader, machine);
     refuse_others(reader, "batch_bowl", "cm5",

@@ -68,14 +68,20 @@ BatchBowl read_bowl(Reader in) {
   b.impeller_diameter = in.number_or("impeller_diameter", b.impeller_diameter, Range::positive());
   b.impeller_blades = static_cast<int>(in.integer_or("impeller_blades", b.impeller_blades, Range::between(1, 12)));
   b.impeller_pitch = in.number_or("impeller_pitch", b.impeller_pitch, Range::between(0.0, 1.3));
+  b.impeller_blade_width = in.number_or("impeller_blade_width", b.impeller_blade_width, Range::positive());
   b.chopper_diameter = in.number_or("chopper_diameter", b.chopper_diameter, Range::positive());
   b.chopper_blades = static_cast<int>(in.integer_or("chopper_blades", b.chopper_blades, Range::between(1, 12)));
   b.chopper_clearance = in.number_or("chopper_clearance", b.chopper_clearance, Range::positive());
+  b.chopper_position = in.number_or("chopper_position", b.chopper_position, Range::positive());
   if (!(b.cylinder_height < b.cover_height && b.cover_height < b.lid_height))
     in.problem("cover_height", "must lie between cylinder_height and lid_height");
   if (b.impeller_diameter >= b.bottom_diameter) in.problem("impeller_diameter", "must be smaller than bottom_diameter");
   if (b.chopper_diameter > 0.4 * b.bottom_diameter)
     in.problem("chopper_diameter", "must be at most 40 % of bottom_diameter");
+  if (b.impeller_blade_width >= 0.5 * b.bottom_diameter)
+    in.problem("impeller_blade_width", "must be below half of bottom_diameter");
+  if (b.chopper_position >= 0.5 * b.bottom_diameter)
+    in.problem("chopper_position", "must lie inside of bottom_diameter");
   in.done();
   return b;
 }
@@ -89,9 +95,11 @@ Value bowl_json(const BatchBowl& b) {
                         {"impeller_diameter", b.impeller_diameter},
                         {"impeller_blades", b.impeller_blades},
                         {"impeller_pitch", b.impeller_pitch},
+                        {"impeller_blade_width", b.impeller_blade_width},
                         {"chopper_diameter", b.chopper_diameter},
                         {"chopper_blades", b.chopper_blades},
-                        {"chopper_clearance", b.chopper_clearance}});
+                        {"chopper_clearance", b.chopper_clearance},
+                        {"chopper_position", b.chopper_position}});
 }
 
 std::optional<std::filesystem::path> read_path(Reader& in, const std::string& key) {

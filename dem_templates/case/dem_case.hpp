@@ -36,10 +36,12 @@ struct BatchBowl {
   double lid_height = 0.0641;         ///< [m]
   double impeller_diameter = 0.0792;  ///< tangent circle [m]
   int impeller_blades = 3;
-  double impeller_pitch = 0.7854;   ///< blade angle [rad]
-  double chopper_diameter = 0.022;  ///< cutting circle [m]
+  double impeller_pitch = 0.7854;          ///< blade angle [rad]
+  double impeller_blade_width = 0.012672;  ///< along the pitched blade: with the pitch, how high it reaches [m]
+  double chopper_diameter = 0.022;         ///< cutting circle [m]
   int chopper_blades = 4;
   double chopper_clearance = 0.005;  ///< between its cutting circle and the impeller's blades, or the lid [m]
+  double chopper_position = 0.028;   ///< of its blades, from the bowl's axis [m]
 };
 
 struct Machine {

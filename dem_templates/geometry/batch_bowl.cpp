@@ -31,7 +31,7 @@ std::vector<Blade> bowl_blades(const BatchBowl& b) {
     Blade form;
     form.axis = Axis::z;
     form.angle = 2.0 * kPi * i / b.impeller_blades;
-    form.width = 0.16 * b.impeller_diameter;
+    form.width = b.impeller_blade_width;
     form.thickness = kBladeThickness;
     form.pitch = b.impeller_pitch;
     form.centre = {0.0, 0.0, gap(b) + half_extent(form)};
@@ -46,12 +46,11 @@ BowlShafts bowl_shafts(const BatchBowl& b) {
   const double radius = 0.5 * b.chopper_diameter;
   const double height =
       std::min(blade_top(b) + radius + b.chopper_clearance, b.lid_height - radius - b.chopper_clearance);
-  const double centre = 0.35 * b.bottom_diameter;
   return {0.1 * b.impeller_diameter,
           blade_top(b) + 0.002,
-          {centre, 0.0, height},
+          {b.chopper_position, 0.0, height},
           0.24 * radius,
-          centre - 0.5 * chopper_width(b) - 0.001};
+          b.chopper_position - 0.5 * chopper_width(b) - 0.001};
 }
 
 Mesh bowl_impeller(const BatchBowl& b, int refinement) {
