@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/percentile.hpp"
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_run.hpp"
 #include "controller/bench/dem_tallied.hpp"
 #include "controller/bench/estimate.hpp"
-#include "controller/bench/median.hpp"
 #include "dem_templates/render/automatic.hpp"
 
 namespace granary::bench {

@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "common/files.hpp"
+#include "common/math/percentile.hpp"
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_deck.hpp"
 #include "controller/bench/dem_run.hpp"
 #include "controller/bench/dem_speed.hpp"
-#include "controller/bench/median.hpp"
 #include "dem_templates/render/automatic.hpp"
 
 namespace granary::bench {

@@ -9,11 +9,11 @@
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
+#include "common/math/percentile.hpp"
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_deck.hpp"
 #include "controller/bench/dem_run.hpp"
 #include "controller/bench/dem_tallied.hpp"
-#include "controller/bench/median.hpp"
 #include "dem_templates/geometry/machine.hpp"
 #include "pilot/schedule/machine.hpp"
 

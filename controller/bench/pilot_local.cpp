@@ -14,6 +14,7 @@
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
+#include "common/math/percentile.hpp"
 #include "pilot/launch/command.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
@@ -34,15 +35,6 @@ using pilot::TaskSpec;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-/// The value below which a share of the sorted values lies; they are sorted here.
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(k, values.size() - 1)];
-}
-double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 /// A pilot of our own on real cores, journal on, as `granary run` has it.
 struct Site {
@@ -177,7 +169,7 @@ class Bench {
       std::sort(stamps.begin(), stamps.end(), [](const Stamps& a, const Stamps& b) { return a.begin < b.begin; });
       for (std::size_t k = 1; k < stamps.size(); ++k) gaps.push_back(1e-6 * (stamps[k].begin - stamps[k - 1].end));
     }
-    figures_.set("dispatch_ms", Value::object({{"p50", quantile(gaps, 0.5)}, {"p99", quantile(gaps, 0.99)}}));
+    figures_.set("dispatch_ms", Value::object({{"p50", percentile(gaps, 0.5)}, {"p99", percentile(gaps, 0.99)}}));
     return {};
   }
 
@@ -225,7 +217,8 @@ class Bench {
     }
     site->pilot->stop_all("the bench is over");
     site->loop.run();
-    figures_.set("filler_gives_way_ms", Value::object({{"p50", quantile(times, 0.5)}, {"p99", quantile(times, 0.99)}}));
+    figures_.set("filler_gives_way_ms",
+                 Value::object({{"p50", percentile(times, 0.5)}, {"p99", percentile(times, 0.99)}}));
     return {};
   }
 

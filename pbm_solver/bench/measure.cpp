@@ -5,6 +5,8 @@
 #include <cmath>
 #include <ctime>
 
+#include "common/math/percentile.hpp"
+
 namespace granary::pbm::bench {
 
 double thread_cpu() {
@@ -15,15 +17,6 @@ double thread_cpu() {
 
 double wall_clock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double percentile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double at = q * static_cast<double>(values.size() - 1);
-  const auto lower = static_cast<std::size_t>(at);
-  const std::size_t upper = std::min(lower + 1, values.size() - 1);
-  return values[lower] + (at - static_cast<double>(lower)) * (values[upper] - values[lower]);
 }
 
 std::vector<Timing> time_in_turn(const std::vector<Contender>& contenders, int rounds, double least_sample) {

@@ -1,4 +1,4 @@
-// Clocks and the statistics of timings. What is timed is its callers' business.
+// Clocks and timings. What is timed is its callers' business.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,6 @@ namespace granary::pbm::bench {
 /// CPU time of this thread [s]: what other programs on the machine take is not in it.
 double thread_cpu();
 double wall_clock();  ///< [s]
-
-/// The value below which the share q (0..1) of the values lies, between neighbours by straight line; 0 if there are
-/// none.
-double percentile(std::vector<double> values, double q);
-inline double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
 
 /// Something to be timed: one call is one evaluation.
 struct Contender {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "common/math/percentile.hpp"
 #include "pbm_solver/bench/bench_cases.hpp"
 #include "pbm_solver/bench/measure.hpp"
 #include "pbm_solver/bench/rates_timer.hpp"

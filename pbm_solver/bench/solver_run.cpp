@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/math/percentile.hpp"
 #include "pbm_solver/bench/measure.hpp"
 #include "pbm_solver/time/simulation.hpp"
 

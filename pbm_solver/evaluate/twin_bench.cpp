@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "common/math/percentile.hpp"
 #include "estimation/estimator/estimator.hpp"
 #include "estimation/search/methods.hpp"
 #include "pbm_solver/evaluate/experiment_model.hpp"
@@ -68,11 +69,6 @@ Course run_twin(const Twin& twin, const TwinBench& bench, Method method, std::ui
   const auto at_truth = evaluated(*model, twin.truth);
   course.found = at_truth && course.estimate.cost <= 1.001 * estimation::cost_of(at_truth->residuals);
   return course;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
 double seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
