@@ -2,57 +2,46 @@
 // known to be better [R. Storn, K. Price, J. Global Optimization 11 (1997) 341; steady state as in E. Ntipteni et al.,
 // An asynchronous parallel differential evolution algorithm, ERCOFTAC 2006].
 #include <algorithm>
-#include <cmath>
 
-#include "estimation/search/methods.hpp"
+#include "estimation/search/population.hpp"
 
 namespace granary::estimation {
 namespace {
 
-class DifferentialEvolution final : public Search {
+// All members cost the same to within this: about the best cost, a parabola of n parameters, the best of 5 n members
+// is nearer to its bottom than the worst by a factor of some 20.
+constexpr double kSpread = 0.02;
+
+class DifferentialEvolution final : public Population {
  public:
   DifferentialEvolution(const Point& start, std::uint64_t seed)
-      : n_(start.size()), dice_(seed), most_(std::max<std::size_t>(10, 5 * n_)), first_(start) {}
+      : Population(start, seed, std::max<std::size_t>(10, 5 * start.size())) {}
 
   std::string name() const override { return name_of(Method::differential_evolution); }
 
   bool converged() const override {
-    if (members_.size() < most_) return false;
-    for (std::size_t d = 0; d < n_; ++d) {
-      double low = 1.0, high = 0.0;
-      for (const Member& m : members_) {
-        low = std::min(low, m.at[d]);
-        high = std::max(high, m.at[d]);
-      }
-      if (high - low > 1e-3) return false;
-    }
-    return true;
+    if (!full()) return false;
+    const auto [best, worst] = std::minmax_element(members_.begin(), members_.end(), cheaper);
+    return worst->cost - best->cost < kSpread * std::max(1.0, best->cost);
   }
 
  private:
-  struct Member {
-    Point at;
-    double cost;
-  };
   struct Child {
     Point at;
     std::size_t parent;
   };
 
   Point next() override {
-    if (sown_ < most_) return sown_++ == 0 ? first_ : dice_.anywhere(n_);
-    if (members_.size() < 4) return dice_.anywhere(n_);
-    const auto pick = [&] { return static_cast<std::size_t>(dice_.below(static_cast<int>(members_.size()))); };
-    const std::size_t parent = turn_++ % members_.size(), a = pick(), b = pick();
-    const auto best = std::min_element(members_.begin(), members_.end(),
-                                       [](const Member& x, const Member& y) { return x.cost < y.cost; });
+    if (!sown(4)) return sow();
+    const std::size_t parent = turn_++ % members_.size();
+    const Point &a = any().at, &b = any().at;
+    const Point& best = std::min_element(members_.begin(), members_.end(), cheaper)->at;
     const double scale = 0.5 + 0.5 * dice_.uniform();  // dithered: one scale may be trapped
     const auto always = static_cast<std::size_t>(dice_.below(static_cast<int>(n_)));
     Point child = members_[parent].at;
     for (std::size_t d = 0; d < n_; ++d)
       if (d == always || dice_.uniform() < 0.9)
-        child[d] =
-            reflected(child[d] + scale * (best->at[d] - child[d]) + scale * (members_[a].at[d] - members_[b].at[d]));
+        child[d] = reflected(child[d] + scale * (best[d] - child[d]) + scale * (a[d] - b[d]));
     children_.push_back({child, parent});
     return child;
   }
@@ -62,18 +51,15 @@ class DifferentialEvolution final : public Search {
     const double cost = residuals ? cost_of(*residuals) : 1e300;
     if (it != children_.end()) {
       Member& parent = members_[it->parent];
-      if (cost <= parent.cost) parent = {at, cost};
+      if (residuals && cost <= parent.cost) parent = {at, *residuals, cost};
       children_.erase(it);
-    } else if (residuals && members_.size() < most_) {
-      members_.push_back({at, cost});
+    } else if (residuals && !full()) {
+      members_.push_back({at, *residuals, cost});
     }
   }
 
-  std::size_t n_;
-  Dice dice_;
-  std::size_t most_, sown_ = 0, turn_ = 0;
-  Point first_;
-  std::vector<Member> members_;
+  static bool cheaper(const Member& a, const Member& b) { return a.cost < b.cost; }
+
   std::vector<Child> children_;
 };
 

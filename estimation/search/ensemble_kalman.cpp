@@ -6,7 +6,9 @@
 #include <cmath>
 #include <deque>
 
-#include "estimation/search/methods.hpp"
+#include "common/math/percentile.hpp"
+#include "estimation/search/local_model.hpp"
+#include "estimation/search/population.hpp"
 
 namespace granary::estimation {
 namespace {
@@ -14,40 +16,28 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-class EnsembleKalman final : public Search {
+constexpr std::size_t kPatience = 3;  // ensembles that are no better than the best before them
+
+class EnsembleKalman final : public Population {
  public:
   EnsembleKalman(const Point& start, std::uint64_t seed)
-      : n_(start.size()), dice_(seed), most_(std::max<std::size_t>(24, 8 * n_)), first_(start) {}
+      : Population(start, seed, std::max<std::size_t>(24, 8 * start.size())) {}
 
   std::string name() const override { return name_of(Method::ensemble_kalman); }
 
-  bool converged() const override {
-    if (members_.size() < most_) return false;
-    for (std::size_t d = 0; d < n_; ++d) {
-      double mean = 0.0, square = 0.0;
-      for (const Member& m : members_) mean += m.at[d], square += m.at[d] * m.at[d];
-      mean /= static_cast<double>(members_.size());
-      if (square / static_cast<double>(members_.size()) - mean * mean > 1e-6) return false;
-    }
-    return true;
-  }
+  // An ensemble with noise of its own stays as wide as the data leave it: it is the cost that comes to rest.
+  bool converged() const override { return full() && turn_ > improved_at_ + kPatience * most_; }
 
  private:
-  struct Member {
-    Point at;
-    Residuals residuals;
-  };
-
   Point next() override {
     if (!due_.empty()) {
       Point p = due_.front();
       due_.pop_front();
       return p;
     }
-    if (sown_ < most_ || members_.size() < 2) return sown_++ == 0 ? first_ : dice_.anywhere(n_);
+    if (!sown(2)) return sow();
     // All members are being evaluated: a further one, between two of them.
-    const auto pick = [&] { return static_cast<std::size_t>(dice_.below(static_cast<int>(members_.size()))); };
-    const Point &a = members_[pick()].at, &b = members_[pick()].at;
+    const Point &a = any().at, &b = any().at;
     Point p(n_);
     for (std::size_t d = 0; d < n_; ++d) p[d] = a[d] + dice_.uniform() * (b[d] - a[d]);
     return p;
@@ -55,34 +45,35 @@ class EnsembleKalman final : public Search {
 
   void learn(const Point& at, const std::optional<Residuals>& residuals) override {
     if (!residuals) {
-      due_.push_back(members_.size() < most_ ? dice_.anywhere(n_) : members_[turn_++ % members_.size()].at);
+      due_.push_back(full() ? members_[turn_++ % members_.size()].at : dice_.anywhere(n_));
       return;
     }
-    if (members_.size() < most_) {
-      members_.push_back({at, *residuals});
-      if (members_.size() == most_)
-        for (Member& m : members_) due_.push_back(moved(m));
-      return;
+    const Member member{at, *residuals, cost_of(*residuals)};
+    if (!full()) {
+      members_.push_back(member);
+      if (full())
+        for (const Member& m : members_) due_.push_back(moved(m));
+    } else {
+      // The newcomer takes the place of the oldest.
+      members_[turn_++ % members_.size()] = member;
+      due_.push_back(moved(member));
     }
-    // The newcomer takes the place of the oldest.
-    members_[turn_++ % members_.size()] = {at, *residuals};
-    due_.push_back(moved(members_[(turn_ - 1) % members_.size()]));
+    if (member.cost < least_ - 1e-3 * std::max(1.0, member.cost)) least_ = member.cost, improved_at_ = turn_;
   }
 
   Point moved(const Member& member) {
     const auto n = static_cast<Eigen::Index>(n_), data = static_cast<Eigen::Index>(member.residuals.size());
     const auto size = static_cast<Eigen::Index>(members_.size());
     MatrixXd at(n, size), fit(data, size);
+    std::vector<double> misfits;
     for (Eigen::Index k = 0; k < size; ++k) {
       const Member& m = members_[static_cast<std::size_t>(k)];
-      at.col(k) = Eigen::Map<const VectorXd>(m.at.data(), n);
       if (static_cast<Eigen::Index>(m.residuals.size()) != data) return member.at;
-      fit.col(k) = Eigen::Map<const VectorXd>(m.residuals.data(), data);
+      at.col(k) = vector_of(m.at);
+      fit.col(k) = vector_of(m.residuals);
+      misfits.push_back(2.0 * m.cost / static_cast<double>(data));
     }
-    std::vector<double> costs;
-    for (const Member& m : members_) costs.push_back(2.0 * cost_of(m.residuals) / static_cast<double>(data));
-    std::nth_element(costs.begin(), costs.begin() + size / 2, costs.end());
-    const double alpha = std::max(1.0, costs[static_cast<std::size_t>(size / 2)]);
+    const double alpha = std::max(1.0, median(misfits));
     const VectorXd mean = fit.rowwise().mean();
     at.colwise() -= at.rowwise().mean().eval();
     fit.colwise() -= mean;
@@ -99,11 +90,8 @@ class EnsembleKalman final : public Search {
     return to;
   }
 
-  std::size_t n_;
-  Dice dice_;
-  std::size_t most_, sown_ = 0, turn_ = 0;
-  Point first_;
-  std::vector<Member> members_;
+  double least_ = 1e300;  ///< cost, so far; from
+  std::size_t improved_at_ = 0;
   std::deque<Point> due_;
 };
 

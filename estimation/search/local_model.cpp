@@ -8,14 +8,6 @@ namespace granary::estimation {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
-
-VectorXd vector_of(const std::vector<double>& v) {
-  return Eigen::Map<const VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
-}
-
-}  // namespace
-
 LocalModel::LocalModel(const Known& centre, const std::vector<Known>& known, double reach)
     : centre_(vector_of(centre.at)),
       residuals_(vector_of(centre.residuals)),

@@ -14,6 +14,11 @@ struct Known {
   Residuals residuals;
 };
 
+/// As Eigen has it.
+inline Eigen::VectorXd vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
 class LocalModel {
  public:
   /// r(x) = r(centre) + J (x - centre), weighted least squares over `known` with weight 1 / (1 + (|x - centre| /

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimation/search/local_model.hpp"
 #include "estimation/search/methods.hpp"
 
 namespace granary::estimation {
@@ -22,8 +23,6 @@ constexpr double kWiden = 1.2;    // for the same reason
 constexpr double kWidenMore = 2.0;
 constexpr double kWideShare = 0.3;
 constexpr double kLeastSpread = 1e-6;
-
-VectorXd vector_of(const Point& p) { return Eigen::Map<const VectorXd>(p.data(), static_cast<Index>(p.size())); }
 
 /// A t distribution; its density but for a constant that all of them share.
 struct Proposal {
