@@ -22,8 +22,8 @@ using estimating::Crew;
 
 namespace {
 
-constexpr double kTerminalPeriod = 0.5;  // [s]
-constexpr double kPlainPeriod = 5.0;     // [s]
+constexpr double kRewritePeriod = 0.5;  // [s]
+constexpr double kLinePeriod = 5.0;     // [s]
 
 /// One line on stderr: rewritten on a terminal, else now and then.
 class ProgressLine {
@@ -32,7 +32,7 @@ class ProgressLine {
       : crew_(crew), campaign_(campaign), loop_(loop), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
   void show(bool last = false) {
-    const double period = terminal_ ? kTerminalPeriod : kPlainPeriod;
+    const double period = terminal_ ? kRewritePeriod : kLinePeriod;
     if (quiet_ || (!last && loop_.now() - shown_ < period)) return;
     shown_ = loop_.now();
     fmt::print(stderr, "{}{:>8.1f} s  {}{}", terminal_ ? "\r\033[K" : "", loop_.now(),

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kScreenPeriod = 0.5, kPlainPeriod = 0.5;  // [s]
+constexpr double kLookPeriod = 0.5;  // [s]
 
 /// The campaign's own exit code; stopped while it has not ended (we were told to leave it).
 Exit meaning(const watch::View& view) { return view.exit.value_or(Exit::ok); }
@@ -34,7 +34,7 @@ Exit watch_plain(watch::Watcher& watcher) {
     for (const std::string& line : plain.lines(view, loop.now())) fmt::print("{}\n", line);
     std::fflush(stdout);
     if (view.phase == watch::Phase::ended || std::ferror(stdout) != 0) return loop.stop();
-    loop.after(kPlainPeriod, look);
+    loop.after(kLookPeriod, look);
   };
   loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&](int) { loop.stop(); });
   loop.post(look);
@@ -53,7 +53,7 @@ Exit watch_screen(watch::Watcher& watcher) {
     view = watcher.look();
     draw();
     if (view.phase == watch::Phase::ended) return loop.stop();
-    loop.after(kScreenPeriod, look);
+    loop.after(kLookPeriod, look);
   };
   loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [&](int) { loop.stop(); });
   loop.on_signals({SIGWINCH}, [&](int) { draw(); });

@@ -12,14 +12,14 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-constexpr std::chrono::seconds kPatience{2};
+constexpr std::chrono::seconds kCampaignAppears{2};
 }
 
 Result<watch::Watcher> watcher_of(const fs::path& dir) {
   const auto clock = [start = Clock::now()] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   watch::Watcher watcher(fs::absolute(dir).lexically_normal(),
                          {[dir] { return campaign_status(dir); }, [dir] { return queue_status(dir); }, clock});
-  for (const auto until = Clock::now() + kPatience; !watcher.anything_there();) {
+  for (const auto until = Clock::now() + kCampaignAppears; !watcher.anything_there();) {
     if (Clock::now() > until)
       return Error{
           fmt::format("{}: no campaign is there (neither campaign.json nor journal.jsonl). Start one: granary run "

@@ -9,7 +9,7 @@ json::Value to_json(const Why& why) {
 }
 
 template <class A>
-json::Value record(const char* type, const A& action) {
+json::Value action_record(const char* type, const A& action) {
   return json::Value::object({{"action", type}, {"burst", action.burst.folder()}, {"attempt", action.attempt}});
 }
 
@@ -19,7 +19,7 @@ json::Value folder_or_null(const std::optional<BurstId>& burst) {
 
 struct ToJson {
   json::Value operator()(const StartBurst& a) const {
-    return record("start_burst", a)
+    return action_record("start_burst", a)
         .set("start_time_s", a.start_time)
         .set("longest_s", a.longest)
         .set("restart", folder_or_null(a.restart))
@@ -29,10 +29,12 @@ struct ToJson {
         .set("watch_drift", a.watch_drift)
         .set("why", to_json(a.why));
   }
-  json::Value operator()(const StopTask& a) const { return record("stop_task", a).set("why", to_json(a.why)); }
-  json::Value operator()(const AskMonitor& a) const { return record("ask_monitor", a).set("why", to_json(a.why)); }
+  json::Value operator()(const StopTask& a) const { return action_record("stop_task", a).set("why", to_json(a.why)); }
+  json::Value operator()(const AskMonitor& a) const {
+    return action_record("ask_monitor", a).set("why", to_json(a.why));
+  }
   json::Value operator()(const Exchange& a) const {
-    return record("exchange", a).set("time_s", a.time).set("why", to_json(a.why));
+    return action_record("exchange", a).set("time_s", a.time).set("why", to_json(a.why));
   }
   json::Value operator()(const End& a) const {
     return json::Value::object({{"action", "end"}, {"how", name(a.how)}, {"why", to_json(a.why)}});

@@ -28,10 +28,10 @@ const char* name(TaskEnded::Outcome outcome) {
   return "failed";
 }
 
-json::Value record(const char* type) { return json::Value::object({{"event", type}}); }
+json::Value event_record(const char* type) { return json::Value::object({{"event", type}}); }
 
 template <class E>
-json::Value record(const char* type, const E& about) {
+json::Value event_record(const char* type, const E& about) {
   return json::Value::object({{"event", type},
                               {"round", about.burst.round},
                               {"kind", about.burst.kind == Kind::dem ? "dem" : "pbm"},
@@ -45,20 +45,22 @@ std::string BurstId::folder() const { return fmt::format("{:04}-{}", round, kind
 json::Value to_json(const Event& event) {
   return std::visit(
       Overloaded{
-          [](const Began&) { return record("began"); }, [](const Resumed&) { return record("resumed"); },
-          [](const StopAsked& e) { return record("stop_asked").set("message", e.message); },
-          [](const TaskStarted& e) { return record("task_started", e); },
-          [](const MonitorSpoke& e) { return record("monitor_spoke", e).set("verdict", monitor::to_json(e.verdict)); },
-          [](const MonitorFailed& e) { return record("monitor_failed", e).set("message", e.message); },
+          [](const Began&) { return event_record("began"); }, [](const Resumed&) { return event_record("resumed"); },
+          [](const StopAsked& e) { return event_record("stop_asked").set("message", e.message); },
+          [](const TaskStarted& e) { return event_record("task_started", e); },
+          [](const MonitorSpoke& e) {
+            return event_record("monitor_spoke", e).set("verdict", monitor::to_json(e.verdict));
+          },
+          [](const MonitorFailed& e) { return event_record("monitor_failed", e).set("message", e.message); },
           [](const TaskEnded& e) {
-            return record("task_ended", e)
+            return event_record("task_ended", e)
                 .set("outcome", name(e.outcome))
                 .set("time_s", e.time ? json::Value(*e.time) : json::Value())
                 .set("message", e.message);
           },
-          [](const DemExchanged& e) { return record("dem_exchanged", e).set("summary", to_json(e.summary)); },
-          [](const PbmExchanged& e) { return record("pbm_exchanged", e).set("summary", to_json(e.summary)); },
-          [](const ExchangeFailed& e) { return record("exchange_failed", e).set("message", e.message); }},
+          [](const DemExchanged& e) { return event_record("dem_exchanged", e).set("summary", to_json(e.summary)); },
+          [](const PbmExchanged& e) { return event_record("pbm_exchanged", e).set("summary", to_json(e.summary)); },
+          [](const ExchangeFailed& e) { return event_record("exchange_failed", e).set("message", e.message); }},
       event);
 }
 

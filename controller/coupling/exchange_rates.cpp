@@ -11,11 +11,11 @@ namespace granary::coupling {
 
 namespace {
 
+using monitor::kInstant;
 using monitor::SpeedMoments;
 using monitor::Tallies;
 using monitor::TallyWindow;
 
-constexpr double kInstant = 1e-9;         // slack for times that are sums of windows [s]
 constexpr double kThinCounts = 100.0;     // counting error 10 %
 constexpr double kLeastParticles = 20.0;  // of a class, to speak of its mean speed
 

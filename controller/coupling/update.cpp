@@ -4,11 +4,13 @@
 
 #include <algorithm>
 
+#include "controller/monitor/tallies.hpp"
+
 namespace granary::coupling {
 
 namespace {
 
-constexpr double kInstant = 1e-9;  // slack for clocks that are sums [s]
+using monitor::kInstant;
 
 using monitor::Outcome;
 

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "common/assert.hpp"
+#include "controller/monitor/tallies.hpp"
 
 namespace granary::monitor {
 
 namespace {
 constexpr std::size_t kBatches = 10;
 constexpr double kMostCorrelation = 0.95;
-constexpr double kInstant = 1e-9;  // slack for times that are sums of windows [s]
 
 std::string place(const Property& property) {
   return property.where.empty() || property.where == "all" ? property.name : property.name + " in " + property.where;

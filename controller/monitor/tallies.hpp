@@ -11,6 +11,8 @@
 
 namespace granary::monitor {
 
+inline constexpr double kInstant = 1e-9;  ///< slack for times that are sums of windows [s]
+
 struct TallyHeader {
   std::vector<double> class_edge;        ///< DEM diameters [m], shape (n_classes + 1)
   std::vector<double> compartment_edge;  ///< along the axis [m], shape (n_compartments + 1)

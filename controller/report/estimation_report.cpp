@@ -16,8 +16,6 @@ namespace {
 
 using Datum = EstimationSummary::Datum;
 using Parameter = EstimationSummary::Parameter;
-constexpr auto kNumber = Column::Kind::number;
-constexpr auto kProse = Column::Kind::prose;
 
 std::string in_unit(double value, const std::string& unit) {
   if (unit == "m") return diameter(value);

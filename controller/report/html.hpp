@@ -27,6 +27,8 @@ struct Column {
   std::string head;
   Kind kind = Kind::label;
 };
+inline constexpr auto kNumber = Column::Kind::number;
+inline constexpr auto kProse = Column::Kind::prose;
 
 /// A table; heads and cells are plain text and are escaped here. Each row has one cell a column.
 std::string table(const std::vector<Column>& columns, const std::vector<std::vector<std::string>>& rows);

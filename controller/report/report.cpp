@@ -15,9 +15,6 @@
 namespace granary::report {
 namespace {
 
-constexpr auto kNumber = Column::Kind::number;
-constexpr auto kProse = Column::Kind::prose;
-
 std::size_t count_bursts(const CampaignResults& r, std::string_view kind) {
   return static_cast<std::size_t>(
       std::count_if(r.bursts.begin(), r.bursts.end(), [&](const auto& burst) { return burst.kind == kind; }));

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "common/json/io.hpp"
@@ -21,8 +20,6 @@ using coupling::BurstRecord;
 using coupling::Kind;
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 fs::path folder_of(const fs::path& dir, const coupling::BurstId& burst) { return dir / "bursts" / burst.folder(); }
 

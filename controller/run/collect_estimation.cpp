@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "common/json/io.hpp"
 
@@ -12,8 +11,6 @@ namespace fs = std::filesystem;
 using campaign::Estimation;
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string name_of(const estimation::Target& target) {
   const std::string where = target.compartment == estimation::kOutlet ? "outlet"

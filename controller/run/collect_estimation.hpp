@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <vector>
 
 #include "common/results/campaign_results.hpp"
@@ -9,6 +10,8 @@
 #include "pilot/journal/journal.hpp"
 
 namespace granary::run {
+
+inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  ///< a figure that is not there
 
 /// Reads DIR/estimation and DIR/final; what is not there yet stays empty. `journal`: its records of the estimation.
 /// Errors: a damaged file is named.

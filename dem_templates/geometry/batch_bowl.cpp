@@ -4,15 +4,15 @@
 
 #include "common/units.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/geometry/solids.hpp"
 
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 32;  // sides of the bowl at refinement 1; flats touch the nominal circles
-constexpr int kShaftAround = 12;
-constexpr double kWall = 0.010;      // of the bowl [m]: thick, so that its outside is on no neighbour list
-constexpr double kIntoWall = 0.001;  // how far shafts reach into the wall they come through [m]
-constexpr double kBladeThickness = 0.002, kChopperThickness = 0.002;  // [m]
+constexpr int kBowlSides = 32;  // sides of the bowl at refinement 1; flats touch the nominal circles
+constexpr int kBowlShaftSides = 12;
+constexpr double kIntoWall = 0.001;          // how far shafts reach into the wall they come through [m]
+constexpr double kChopperThickness = 0.002;  // [m]
 
 double gap(const BatchBowl& b) { return 0.5 * (b.bottom_diameter - b.impeller_diameter); }
 
@@ -56,7 +56,7 @@ BowlShafts bowl_shafts(const BatchBowl& b) {
 Mesh bowl_impeller(const BatchBowl& b, int refinement) {
   const auto [hub, top, chopper, r, from] = bowl_shafts(b);
   Mesh mesh = body_of_revolution(Axis::z, {{-kIntoWall, 0.0}, {-kIntoWall, hub}, {top, hub}, {top, 0.0}},
-                                 kShaftAround * refinement);
+                                 kBowlShaftSides * refinement);
   for (const Blade& form : bowl_blades(b)) append(mesh, refine(blade(form), refinement));
   return mesh;
 }
@@ -73,7 +73,7 @@ Mesh bowl_chopper(const BatchBowl& b, int refinement) {
   form.root_radius = 0.6 * shafts.chopper_radius;
   form.tip_radius = 0.5 * b.chopper_diameter;
   const double from = shafts.chopper_from, r = shafts.chopper_radius, to = 0.5 * b.bottom_diameter + kIntoWall;
-  Mesh mesh = body_of_revolution(Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kShaftAround * refinement);
+  Mesh mesh = body_of_revolution(Axis::x, {{from, 0.0}, {from, r}, {to, r}, {to, 0.0}}, kBowlShaftSides * refinement);
   for (Vec3& p : mesh.vertex) p = p + Vec3{0.0, shafts.chopper.y, shafts.chopper.z};
   for (int i = 0; i < b.chopper_blades; ++i) {
     form.angle = 2.0 * kPi * i / b.chopper_blades;
@@ -83,7 +83,7 @@ Mesh bowl_chopper(const BatchBowl& b, int refinement) {
 }
 
 Mesh bowl_shell(const BatchBowl& b, int refinement) {
-  const int sides = kAround * refinement;
+  const int sides = kBowlSides * refinement;
   const double low = touching_radius(0.5 * b.bottom_diameter, sides);
   const double high = touching_radius(0.5 * b.cover_diameter, sides);
   Vessel form;
@@ -91,12 +91,12 @@ Mesh bowl_shell(const BatchBowl& b, int refinement) {
   form.n_around = sides;
   form.inner = {{0.0, 0.0},           {0.0, low},         {b.cylinder_height, low}, {b.cover_height, high},
                 {b.lid_height, high}, {b.lid_height, 0.0}};
-  form.outer = {{-kWall, 0.0},
-                {-kWall, low + kWall},
-                {b.cylinder_height, low + kWall},
-                {b.cover_height, high + kWall},
-                {b.lid_height + kWall, high + kWall},
-                {b.lid_height + kWall, 0.0}};
+  form.outer = {{-kWallThickness, 0.0},
+                {-kWallThickness, low + kWallThickness},
+                {b.cylinder_height, low + kWallThickness},
+                {b.cover_height, high + kWallThickness},
+                {b.lid_height + kWallThickness, high + kWallThickness},
+                {b.lid_height + kWallThickness, 0.0}};
   return vessel(form);
 }
 

@@ -5,14 +5,13 @@
 #include "common/units.hpp"
 #include "dem_templates/geometry/horizontal_mixer.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/geometry/solids.hpp"
 
 namespace granary::dem {
 namespace {
 
-constexpr int kAround = 24;  // sides of the casing at refinement 1; flats touch the nominal cone
-constexpr int kShaftAround = 16;
-constexpr double kWall = 0.010;  // of the casing [m]: thick, so that its outside is on no neighbour list
-constexpr double kBladeThickness = 0.002;
+constexpr int kCasingSides = 24;  // sides of the casing at refinement 1; flats touch the nominal cone
+constexpr int kMixerShaftSides = 16;
 constexpr double kEndGap = 0.010;  // from the end plate to the first blade, so that it crushes nothing against it [m]
 constexpr double kQuarterTurn = 0.5 * kPi;
 
@@ -42,7 +41,7 @@ double casing_radius(const HorizontalMixer& m, double x) {
 }
 
 double casing_corner_radius(const HorizontalMixer& m, double x) {
-  return touching_radius(casing_radius(m, x), kAround);
+  return touching_radius(casing_radius(m, x), kCasingSides);
 }
 
 MixerPorts mixer_ports(const HorizontalMixer& m) {
@@ -53,8 +52,8 @@ MixerPorts mixer_ports(const HorizontalMixer& m) {
   ports.outlet_from = std::max(m.shaft_length + 0.4 * (m.length - m.shaft_length), 0.8 * m.length);
   ports.outlet_to = m.length - 0.01 * m.length;
   ports.chute_top = casing_corner_radius(m, ports.chute_to) + 0.25 * m.inlet_diameter;
-  ports.chute_half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kAround);
-  ports.outlet_half_width = casing_radius(m, m.length) * std::sin(2 * kPi / kAround);
+  ports.chute_half_width = casing_radius(m, 0.0) * std::sin(2 * 2 * kPi / kCasingSides);
+  ports.outlet_half_width = casing_radius(m, m.length) * std::sin(2 * kPi / kCasingSides);
   return ports;
 }
 
@@ -83,35 +82,35 @@ std::vector<Blade> mixer_blades(const HorizontalMixer& m) {
 Mesh mixer_impeller(const HorizontalMixer& m, int refinement) {
   const double r = 0.5 * m.shaft_diameter;
   Mesh mesh = body_of_revolution(Axis::x, {{0.0, 0.0}, {0.0, r}, {m.shaft_length, r}, {m.shaft_length, 0.0}},
-                                 kShaftAround * refinement);
+                                 kMixerShaftSides * refinement);
   for (const Blade& b : mixer_blades(m)) append(mesh, refine(blade(b), refinement));
   return mesh;
 }
 
 Mesh mixer_shell(const HorizontalMixer& m, int refinement) {
-  const int sides = kAround * refinement;
+  const int sides = kCasingSides * refinement;
   const MixerPorts ports = mixer_ports(m);
   Vessel form;
   form.axis = Axis::x;
   form.n_around = sides;
   const std::vector<double> x = stations(m);
   form.inner.push_back({0.0, 0.0});
-  form.outer.push_back({-kWall, 0.0});
+  form.outer.push_back({-kWallThickness, 0.0});
   for (std::size_t i = 0; i < x.size(); ++i) {
     form.inner.push_back({x[i], touching_radius(casing_radius(m, x[i]), sides)});
     double outside = x[i];  // the wall's outside reaches past the ends and around the chute
-    if (i == 0 || i == 1) outside -= kWall;
-    if (i == 2 || i + 1 == x.size()) outside += kWall;
-    form.outer.push_back({outside, touching_radius(casing_radius(m, x[i]) + kWall, sides)});
+    if (i == 0 || i == 1) outside -= kWallThickness;
+    if (i == 2 || i + 1 == x.size()) outside += kWallThickness;
+    form.outer.push_back({outside, touching_radius(casing_radius(m, x[i]) + kWallThickness, sides)});
   }
   form.inner.push_back({m.length, 0.0});
-  form.outer.push_back({m.length + kWall, 0.0});
+  form.outer.push_back({m.length + kWallThickness, 0.0});
   form.open = [sides, open = m.outlet_open](int along, int around) {
     return open && along == kOutletCell && is_bottom(around, sides);
   };
   form.raised = [sides](int along, int around) { return along == kChuteCell && is_top(around, sides); };
   form.lift_inner = [top = ports.chute_top](Vec3 p) { return Vec3{p.x, top, p.z}; };
-  form.lift_outer = [top = ports.chute_top + kWall](Vec3 p) { return Vec3{p.x, top, p.z}; };
+  form.lift_outer = [top = ports.chute_top + kWallThickness](Vec3 p) { return Vec3{p.x, top, p.z}; };
   return vessel(form);
 }
 

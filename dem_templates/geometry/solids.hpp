@@ -8,6 +8,9 @@
 
 namespace granary::dem {
 
+inline constexpr double kWallThickness = 0.010;   ///< of a vessel [m]: its outside is on no neighbour list
+inline constexpr double kBladeThickness = 0.002;  ///< [m]
+
 enum class Axis { x, y, z };
 Vec3 unit(Axis axis);
 

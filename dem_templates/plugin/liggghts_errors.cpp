@@ -20,7 +20,7 @@ namespace {
 constexpr int kLiggghtsGaveUp = 1;  // Error::all and Error::one know no other code
 
 // The errors of LIGGGHTS end the program from within: there is no caller to hand this to.
-struct Watch {
+struct OutputWatch {
   LAMMPS_NS::LAMMPS* lammps = nullptr;
   FILE* screen = nullptr;  // where its output goes on to; may be none
   std::string line;        // the line being printed

@@ -16,7 +16,7 @@ namespace {
 using json::Value;
 
 constexpr double kWantedError = 1e-3;
-constexpr std::array<double, 6> kTolerances{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+constexpr std::array<double, 6> kTimeTolerances{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
 constexpr std::array<double, 3> kEulerLimits{0.1, 0.05, 0.02};
 
 Value rhs_for(const std::vector<CostPoint>& points, double error) {
@@ -51,7 +51,7 @@ class TimeErrors {
   void ours() {
     if (!exact_.finished) return;
     std::vector<CostPoint> points;
-    for (const double tolerance : kTolerances) {
+    for (const double tolerance : kTimeTolerances) {
       const auto ended = run_solver(make_(tolerance), most_cpu_, looks_);
       if (!ended || !ended->finished) {
         note("solver", tolerance, ended ? "over the time budget" : ended.error().message);

@@ -8,9 +8,6 @@
 namespace granary::pbm {
 namespace {
 
-const char* const kPlain = "the figures of a plain cell average code with Dormand-Prince steps on the same grid";
-const char* const kOurs = "what this scheme gave when the case was written, and a tenth";
-
 DensityProblem problem_2d(const std::string& name, const std::string& text, Aggregation::Kernel kernel, double smallest,
                           double largest, double end, const std::function<double(double, double, double)>& density) {
   DensityProblem p;

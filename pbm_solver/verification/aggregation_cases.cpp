@@ -9,8 +9,6 @@
 namespace granary::pbm {
 namespace {
 
-const char* const kPlain = "the figures of a plain cell average code with Dormand-Prince steps on the same grid";
-
 using Density1d = double (*)(double v, double t);
 
 DensityProblem problem_1d(const std::string& name, const std::string& text, Aggregation::Kernel kernel, double smallest,

@@ -10,8 +10,6 @@
 namespace granary::pbm {
 namespace {
 
-const char* const kOurs = "what this scheme gave when the case was written, and a tenth";
-
 Breakage power_breakage(double exponent, double rate = 1.0) {
   Breakage b;
   b.selection = Breakage::Selection::power;
@@ -76,7 +74,7 @@ VerificationCase one_size() {
                    {{13, 0.067, {{"M20", 0.0305}}}, {25, 0.0144, {{"M20", 0.001}}}, {49, 0.0036, {{"M20", 0.0012}}}});
 }
 
-VerificationCase constant_2d() {
+VerificationCase broken_in_2d() {
   DensityProblem p = problem("breakage-2d", "two solids, rate 1, exponential start, t = 1", power_breakage(0.0),
                              even_edges(std::ldexp(1.0, -16), std::ldexp(1.0, 4), true), 1.0, {});
   p.content = exact::constant_breakage_2d;
@@ -149,7 +147,7 @@ std::vector<VerificationCase> breakage_cases() {
       linear(),
       square(),
       one_size(),
-      constant_2d(),
+      broken_in_2d(),
       linear_2d(),
       balance("balance-growing", "constant kernel and rate 0.3 v, exponential start, t = 2", 0.3,
               {{20, 0.062, {{"M20", 0.0171}}}, {40, 0.0151, {{"M20", 0.0026}}}, {80, 0.0033, {{"M20", 0.0013}}}}),

@@ -44,6 +44,11 @@ inline const NamedErrors kUsualBounds{{"M00", 2e-5}, {"M10", 1e-5}, {"M01", 1e-5
 /// Bins whose edges go evenly in the logarithm from `smallest` to `largest`.
 std::function<Grid(int bins)> even_edges(double smallest, double largest, bool two_solids);
 
+/// Where the bounds of a case come from.
+inline constexpr const char* kPlain =
+    "the figures of a plain cell average code with Dormand-Prince steps on the same grid";
+inline constexpr const char* kOurs = "what this scheme gave when the case was written, and a tenth";
+
 VerificationCase make_case(DensityProblem problem, std::string reason, std::vector<Bound> grids,
                            NamedErrors bounds = kUsualBounds);
 

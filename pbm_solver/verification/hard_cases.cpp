@@ -23,7 +23,6 @@ constexpr double kMostCpu = 10.0;  // [s] of a run
 #else
 constexpr double kMostCpu = 200.0;  // with asserts and sanitizers
 #endif
-constexpr double kDriftExplicit = 1e-13, kDriftImplicit = 1e-12;
 constexpr double kLeast = -1e-13;  // round-off
 
 double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -99,13 +98,7 @@ std::string bound_in_short(const HardResult& r) {
   return "-";
 }
 
-constexpr const char* kRow = "{:<24}{:>5}  {:<22}{:>8}{:>9}{:>7}{:>7}{:>8}{:>8}  {:<4}{}\n";
-
-Value object_of(const NamedErrors& list) {
-  Value object = Value::object({});
-  for (const auto& [name, value] : list) object.set(name, value);
-  return object;
-}
+constexpr const char* kHardRow = "{:<24}{:>5}  {:<22}{:>8}{:>9}{:>7}{:>7}{:>8}{:>8}  {:<4}{}\n";
 
 }  // namespace
 
@@ -164,8 +157,8 @@ Value to_json(const HardResult& r) {
                                   {"bins", r.bins},
                                   {"l1_number", r.l1_number},
                                   {"l1_number_bound", r.known.l1_bound},
-                                  {"moment_errors", object_of(r.errors)},
-                                  {"moment_bounds", object_of(r.known.bounds)},
+                                  {"moment_errors", to_json(r.errors)},
+                                  {"moment_bounds", to_json(r.known.bounds)},
                                   {"bound_reason", r.known.reason},
                                   {"order", std::nan("")},
                                   {"drift", Value::object({{"solid_1", r.drift.solid_1},
@@ -187,7 +180,8 @@ int verify_hard(const std::string& name, bool as_json) {
   bool passed = true, any = false;
   Value cases = Value::array();
   if (!as_json)
-    fmt::print(kRow, "hard case", "bins", "error", "bound", "least", "drift", "steps", "impl.", "rhs", "ok", "cpu s");
+    fmt::print(kHardRow, "hard case", "bins", "error", "bound", "least", "drift", "steps", "impl.", "rhs", "ok",
+               "cpu s");
   for (const HardCase& known : hard_cases()) {
     if (!name.empty() && known.name != name) continue;
     any = true;
@@ -196,7 +190,7 @@ int verify_hard(const std::string& name, bool as_json) {
     passed = passed && faults.empty();
     cases.push(to_json(r));
     if (as_json) continue;
-    fmt::print(kRow, known.name, r.bins, in_short(r), bound_in_short(r), fmt::format("{:.0e}", r.least),
+    fmt::print(kHardRow, known.name, r.bins, in_short(r), bound_in_short(r), fmt::format("{:.0e}", r.least),
                fmt::format("{:.0e}", largest(r.drift)), r.steps, r.implicit_steps, r.rhs_evaluations,
                faults.empty() ? "yes" : "NO", fmt::format("{:.3f}", r.cpu));
     for (const std::string& fault : faults) fmt::print("    {}\n", fault);

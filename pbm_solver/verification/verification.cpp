@@ -16,7 +16,6 @@ namespace granary::pbm {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDriftExplicit = 1e-13, kDriftWithBreakage = 1e-12;  // breakage may be integrated implicitly
 constexpr double kLeastNumber = -1e-13;
 constexpr double kToleranceOfBounds = 1e-5, kTimeErrors = 2.0;
 
@@ -39,7 +38,7 @@ double named(const NamedErrors& list, const std::string& name) {
 /// the table's there are none but of what is conserved.
 void set_bounds(const VerificationCase& known, Verification& v) {
   v.l1_bound = kNone;
-  v.drift_bound = known.pbm_case(v.bins).breakage ? kDriftWithBreakage : kDriftExplicit;
+  v.drift_bound = known.pbm_case(v.bins).breakage ? kDriftImplicit : kDriftExplicit;  // breakage may be implicit
   const auto grid =
       std::find_if(known.grids.begin(), known.grids.end(), [&](const Bound& b) { return b.bins == v.bins; });
   if (grid == known.grids.end()) return;
@@ -89,13 +88,13 @@ Result<Verification> verify_on(const VerificationCase& known, int bins, double r
   return v;
 }
 
-json::Value object_of(const NamedErrors& list) {
+}  // namespace
+
+json::Value to_json(const NamedErrors& errors) {
   json::Value object = json::Value::object({});
-  for (const auto& [name, value] : list) object.set(name, value);
+  for (const auto& [name, value] : errors) object.set(name, value);
   return object;
 }
-
-}  // namespace
 
 double Verification::largest_drift() const { return std::max({drift.solid_1, drift.solid_2, drift.liquid, drift.gas}); }
 
@@ -165,8 +164,8 @@ json::Value to_json(const Verification& v) {
                               {"l1_number", v.errors.l1_number},
                               {"l1_number_bound", v.l1_bound},
                               {"l1_volume", v.errors.l1_volume},
-                              {"moment_errors", object_of(v.errors.moments)},
-                              {"moment_bounds", object_of(v.moment_bounds)},
+                              {"moment_errors", to_json(v.errors.moments)},
+                              {"moment_bounds", to_json(v.moment_bounds)},
                               {"bound_reason", v.reason},
                               {"order", v.order},
                               {"drift", json::Value::object({{"solid_1", v.drift.solid_1},

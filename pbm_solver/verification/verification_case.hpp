@@ -16,6 +16,10 @@ namespace granary::pbm {
 
 /// Relative errors by name: "M00", "M20", "porosity".
 using NamedErrors = std::vector<std::pair<std::string, double>>;
+json::Value to_json(const NamedErrors& errors);
+
+/// Bounds on the drift of a balance: round-off, more of it where steps solve equations.
+inline constexpr double kDriftExplicit = 1e-13, kDriftImplicit = 1e-12;
 
 /// The end of a run held against the exact answer. NaN: the distribution is not known exactly, only its moments.
 struct Comparison {
