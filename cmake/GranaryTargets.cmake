@@ -29,6 +29,11 @@ function(granary_library name)
   add_library(granary::${name} ALIAS granary_${name})
 endfunction()
 
+# For command lines and tests: what takes time in them is in our libraries.
+function(granary_compile_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # granary_program(granary-pbm SOURCES main.cpp LINKS ...): build/bin/granary-pbm
 function(granary_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
@@ -67,8 +72,7 @@ function(granary_test path)
   string(REPLACE "/" "." name ${path})
   add_executable(${name} ${CMAKE_SOURCE_DIR}/tests/${path}.cpp ${ARG_SOURCES})
   granary_compile_options(${name})
-  # What takes time in a test is in our libraries; a third of a build went into optimising the tests themselves.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  granary_compile_quickly(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(${name} PRIVATE
     GRANARY_SOURCE_DIR="${CMAKE_SOURCE_DIR}" GRANARY_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
