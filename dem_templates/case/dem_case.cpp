@@ -177,52 +177,6 @@ Value compartment_json(const Population& p) {
   return Value::object({{"from", p.from}, {"to", p.to}, {"diameter", p.diameter}, {"count", counts}});
 }
 
-Bonds read_bonds(Reader in) {
-  Bonds b;
-  b.radius = in.number_or("radius", b.radius, Range::positive());
-  b.normal_stiffness = in.number_or("normal_stiffness", b.normal_stiffness, Range::positive());
-  b.shear_stiffness_ratio = in.number_or("shear_stiffness_ratio", b.shear_stiffness_ratio, Range::positive());
-  b.tensile_strength = in.number_or("tensile_strength", b.tensile_strength, Range::positive());
-  b.shear_strength_ratio = in.number_or("shear_strength_ratio", b.shear_strength_ratio, Range::positive());
-  b.strength_scatter = in.number_or("strength_scatter", b.strength_scatter, Range::fraction());
-  b.damping = in.number_or("damping", b.damping, Range::fraction());
-  b.gap = in.number_or("gap", b.gap, Range::not_negative());
-  in.done();
-  return b;
-}
-
-Value bonds_json(const Bonds& b) {
-  return Value::object({{"radius", b.radius},
-                        {"normal_stiffness", b.normal_stiffness},
-                        {"shear_stiffness_ratio", b.shear_stiffness_ratio},
-                        {"tensile_strength", b.tensile_strength},
-                        {"shear_strength_ratio", b.shear_strength_ratio},
-                        {"strength_scatter", b.strength_scatter},
-                        {"damping", b.damping},
-                        {"gap", b.gap}});
-}
-
-Agglomerates read_agglomerates(Reader in) {
-  Agglomerates a;
-  a.count = static_cast<int>(in.integer_or("count", a.count, Range::between(1, 1e6)));
-  a.spheres = static_cast<int>(in.integer_or("spheres", a.spheres, Range::between(1, 1e5)));
-  a.sphere_diameter = in.number_or("sphere_diameter", a.sphere_diameter, Range::positive());
-  a.diameter = in.number_or("diameter", a.diameter, Range::positive());
-  a.sample_every = in.number_or("sample_every", a.sample_every, Range::positive());
-  if (auto bonds = in.optional_section("bonds")) a.bonds = read_bonds(std::move(*bonds));
-  in.done();
-  return a;
-}
-
-Value agglomerates_json(const Agglomerates& a) {
-  return Value::object({{"count", a.count},
-                        {"spheres", a.spheres},
-                        {"sphere_diameter", a.sphere_diameter},
-                        {"diameter", a.diameter},
-                        {"sample_every", a.sample_every},
-                        {"bonds", bonds_json(a.bonds)}});
-}
-
 Tally read_tally(Reader in) {
   Tally t;
   t.window = in.number_or("window", t.window, Range::positive());
@@ -287,7 +241,7 @@ Result<DemCase> read_case(const json::Value& document, const std::string& file) 
   for (Reader& item : in.items("population")) c.population.push_back(read_compartment(std::move(item)));
   check_population(in, c);
   if (auto agglomerates = in.optional_section("agglomerates"))
-    c.agglomerates = read_agglomerates(std::move(*agglomerates));
+    c.agglomerates = read_agglomerates(std::move(*agglomerates), Written::in_si);
   c.feed_rate = in.number_or("feed_rate", c.feed_rate, Range::not_negative());
   c.feed_diameter = in.number_or("feed_diameter", c.feed_diameter, Range::not_negative());
   if (c.feed_rate > 0.0 && c.machine.type == Machine::Type::batch_bowl)
@@ -332,7 +286,7 @@ json::Value to_json(const DemCase& c) {
                                 {"overlapping_fraction", c.guard.overlapping_fraction},
                                 {"energy_factor", c.guard.energy_factor},
                                 {"lost_fraction", c.guard.lost_fraction}})}});
-  if (c.agglomerates) out.set("agglomerates", agglomerates_json(*c.agglomerates));
+  if (c.agglomerates) out.set("agglomerates", to_json(*c.agglomerates));
   if (c.restart) out.set("restart", c.restart->string());
   out.set("seed", static_cast<std::int64_t>(c.seed));
   out.set("ranks", c.ranks);

@@ -10,6 +10,7 @@
 
 #include "common/json/value.hpp"
 #include "common/result.hpp"
+#include "dem_templates/case/agglomerates.hpp"
 
 namespace granary::dem {
 
@@ -70,28 +71,6 @@ struct Population {
   double from = 0.0, to = 0.0;   ///< along the machine's axis [m]
   std::vector<double> diameter;  ///< [m]
   std::vector<long> count;
-};
-
-/// Parallel bonds between touching spheres of an agglomerate (granary/bond).
-struct Bonds {
-  double radius = 0.96;                  ///< of a bond, over that of the smaller sphere
-  double normal_stiffness = 5e9;         ///< of a bond's cross-section [N/m^3]
-  double shear_stiffness_ratio = 0.458;  ///< shear over normal
-  double tensile_strength = 1e5;         ///< [Pa]
-  double shear_strength_ratio = 0.563;   ///< shear over tensile
-  double strength_scatter = 0.0;         ///< standard deviation over the mean, of each bond's strengths
-  double damping = 0.1;                  ///< of critical
-  double gap = 0.05;                     ///< spheres nearer than this are bonded, over the sphere's radius
-};
-
-/// Agglomerates of equal spheres, put in whole at random places, instead of a population of single particles.
-struct Agglomerates {
-  int count = 100;
-  int spheres = 37;                 ///< of each
-  double sphere_diameter = 1.2e-3;  ///< [m]
-  double diameter = 5e-3;           ///< of the ball the spheres are packed into; larger if they do not fit [m]
-  double sample_every = 0.01;       ///< a line of fragments.jsonl each [s]
-  Bonds bonds;
 };
 
 struct Tally {

@@ -26,9 +26,6 @@ namespace granary::dem {
 namespace {
 
 constexpr std::size_t kLoad = 6;  // a force and a torque
-// Debris of the same agglomerate is the cause of a break only if nothing else is: what smashed it goes on in its
-// pieces.
-constexpr double kOwnDebris = 1e-9;
 
 }  // namespace
 
@@ -127,6 +124,9 @@ void FixBond::post_force(int) {
 void FixBond::post_run() {
   if (!watching()) return;
   tell_breaks();
+  const FixGuard* guard = find_guard(*lmp);
+  const bool goes_on = update->ntimestep < update->endstep && !(guard && guard->stopping());
+  if (goes_on) return;  // 'run N every M': a part of it is over
   double last = history_.last_sample();
   MPI_Bcast(&last, 1, MPI_DOUBLE, 0, world);
   if (last < static_cast<double>(update->ntimestep)) sample();

@@ -14,6 +14,7 @@
 #include "dem_templates/plugin/fix_bond.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/gather.hpp"
+#include "dem_templates/plugin/tally/told_lines.hpp"
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace granary::dem {
@@ -49,9 +50,9 @@ double FixBond::window_steps() const { return settings_.cause_window / update->d
 void FixBond::start_telling() {
   const FragmentSurvey now = survey();
   if (comm->me == 0) {
-    const auto open = [](const std::string& file, std::optional<json::LineWriter>& writer) -> Status {
+    const auto open = [&](const std::string& file, std::optional<json::LineWriter>& writer) -> Status {
       if (file.empty() || writer) return {};
-      GRANARY_TRY(writer, json::LineWriter::append_to(file));
+      GRANARY_TRY(writer, go_on_telling(file, dem_time(*lmp)));
       return {};
     };
     history_.start(now);

@@ -61,7 +61,9 @@ int FixBond::maxsize_restart() {
   return largest;
 }
 
+// What broke since the last look is told first: whoever goes on from this state will not hear of it.
 void FixBond::write_restart(FILE* file) {
+  if (watching()) tell_breaks();
   double sums[2] = {broken_here_, released_here_};
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me != 0) return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include <atom.h>
@@ -20,6 +21,7 @@
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
+#include "dem_templates/plugin/tally/told_lines.hpp"
 #include "dem_templates/plugin/tally/touch_speed.hpp"
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
@@ -44,12 +46,14 @@ FixTally::FixTally(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
                                                 {"body", 3, true},
                                                 {"speed_bins", 3},
                                                 {"coarse_graining"},
-                                                {"seed"}});
+                                                {"seed"},
+                                                {"goes_on"}});
   file_ = arguments.text("file");
   every_ = arguments.integer_or("every", 5, Range::at_least(1));
   window_steps_ = arguments.integer("window", Range::at_least(1));
   if (every_ > 0 && window_steps_ % every_ != 0) arguments.problem("'window' must be a multiple of 'every'.");
   header_.coarse_graining = arguments.number_or("coarse_graining", 1.0, Range::positive());
+  goes_on_ = arguments.text_or("goes_on", "no") == "yes";
   header_.seed = arguments.integer_or("seed", 0, Range::not_negative());
   header_.ranks = comm->nprocs;
 
@@ -399,6 +403,10 @@ void FixTally::close_window() {
 
 Status FixTally::open_file() {
   if (comm->me != 0 || writer_) return {};
+  if (goes_on_ && std::filesystem::exists(file_)) {
+    GRANARY_TRY(writer_, go_on_telling(file_, dem_time(*lmp)));
+    return {};
+  }
   GRANARY_TRY(json::LineWriter writer, json::LineWriter::create(file_));
   writer_.emplace(std::move(writer));
   header_.time_step = update->dt;

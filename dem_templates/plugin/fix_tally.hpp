@@ -82,6 +82,7 @@ class FixTally : public LAMMPS_NS::Fix {
   Status write_line(const json::Value& line);
 
   std::string file_;
+  bool goes_on_ = false;  ///< with the file that a run that was cut has left
   long every_ = 5, window_steps_ = 0;
   TallyHeader header_;
   TallyLayout layout_;

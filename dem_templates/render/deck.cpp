@@ -83,22 +83,25 @@ Result<std::string> material_commands(const Contact& m) {
   return text;
 }
 
-// The settled bed is the first that is like all later ones. Stock walls need a longer reach than the particles.
-std::string skin_trial(const DemCase& c) {
-  if (c.skin || c.walls == Walls::stock) return "";
-  return fmt::format(
-      "\n# The neighbour skin that suits this bed.\n"
-      "fix skin all granary/skin speed {}\n"
-      "variable skin equal f_skin\n"
-      "neighbor ${{skin}} bin\n"
-      "unfix skin\n",
-      tip_speed(c.machine));
+Result<std::string> fill_commands(const DemCase& c, const std::vector<Body>& all) {
+  if (c.restart) return std::string();  // they are in it
+  const Agglomerates& a = *c.agglomerates;
+  return render(templates::fill_agglomerates, "fill_agglomerates.tmpl",
+                {{"spheres", number(a.spheres)},
+                 {"sphere_diameter", digits(a.sphere_diameter)},
+                 {"diameter", digits(a.diameter)},
+                 {"count", number(a.count)},
+                 {"density", digits(c.density)},
+                 {"resize_walls", resize_walls(c, all)},
+                 {"seed", number(c.seed)},
+                 {"settle_steps", number(schedule_of(c).settle)}});
 }
 
-// What the two kinds of fill, by sizes and by agglomerates, do not share.
-Values agglomerate_values(const DemCase& c) {
+// What only a deck of agglomerates has.
+Values agglomerate_values(const DemCase& c, std::string fill) {
   const Agglomerates& a = *c.agglomerates;
   const Bonds& b = a.bonds;
+  const Schedule schedule = schedule_of(c);
   return {{"normal_stiffness", digits(b.normal_stiffness)},
           {"shear_stiffness", digits(b.shear_stiffness_ratio * b.normal_stiffness)},
           {"tensile_strength", digits(b.tensile_strength)},
@@ -108,11 +111,17 @@ Values agglomerate_values(const DemCase& c) {
           {"gap", digits(b.gap * 0.5 * a.sphere_diameter)},
           {"damping", digits(b.damping)},
           {"sample_every", number(std::max(1L, std::lround(a.sample_every / c.time_step)))},
-          {"spheres", number(a.spheres)},
-          {"sphere_diameter", digits(a.sphere_diameter)},
-          {"diameter", digits(a.diameter)},
-          {"count", number(a.count)},
-          {"density", digits(c.density)}};
+          {"fill", std::move(fill)},
+          {"goes_on", c.restart ? " goes_on yes" : ""},
+          {"last_step", number(schedule.settle + schedule.steps)}};
+}
+
+// What only a deck of single particles has.
+Values population_values(const DemCase& c, const std::vector<Body>& all) {
+  const Schedule schedule = schedule_of(c);
+  return {{"resize_walls", resize_walls(c, all)},
+          {"settle_steps", number(schedule.settle)},
+          {"steps", number(schedule.steps)}};
 }
 
 Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all) {
@@ -127,20 +136,21 @@ Result<std::string> run_commands(const DemCase& c, const std::vector<Body>& all)
                 {"lost", digits(c.guard.lost_fraction)},
                 {"thermo", number(std::max(1L, (schedule.settle + schedule.steps) / kThermoLines))},
                 {"axis", std::string(axis_name(axis_of(c.machine)))},
-                {"resize_walls", resize_walls(c, all)},
                 {"seed", number(c.seed)},
-                {"settle_steps", number(schedule.settle)},
                 {"skin_trial", skin_trial(c)},
                 {"every", number(c.tally.every)},
                 {"window", number(schedule.window)},
                 {"compartments", fmt::format("{} {}", c.population.size(), fmt::join(edges, " "))},
                 {"classes", fmt::format("{} {}", c.tally.class_edges.size() - 1, fmt::join(c.tally.class_edges, " "))},
                 {"coarse_graining", digits(c.coarse_graining)},
-                {"tally_bodies", tally_bodies(c, all)},
-                {"steps", number(schedule.steps)}};
-  if (!c.agglomerates) return render(templates::run, "run.tmpl", values);
-  const Values more = agglomerate_values(c);
-  values.insert(values.end(), more.begin(), more.end());
+                {"tally_bodies", tally_bodies(c, all)}};
+  const auto with = [&values](const Values& more) { values.insert(values.end(), more.begin(), more.end()); };
+  if (!c.agglomerates) {
+    with(population_values(c, all));
+    return render(templates::run, "run.tmpl", values);
+  }
+  GRANARY_TRY(std::string fill, fill_commands(c, all));
+  with(agglomerate_values(c, std::move(fill)));
   return render(templates::run_agglomerates, "run_agglomerates.tmpl", values);
 }
 
@@ -181,6 +191,21 @@ Schedule schedule_of(const DemCase& c) {
   s.window = std::max(1L, std::lround(c.tally.window / c.time_step / c.tally.every)) * c.tally.every;
   s.steps = std::max(1L, std::lround(c.duration / c.time_step / static_cast<double>(s.window))) * s.window;
   return s;
+}
+
+// The settled bed is the first that is like all later ones. Stock walls need a longer reach than the particles. Cells as
+// wide as the lists reach are fewer to go through than LIGGGHTS' own, half as wide.
+std::string skin_trial(const DemCase& c) {
+  if (c.skin || c.walls == Walls::stock) return "";
+  return fmt::format(
+      "\n# The neighbour skin that suits this bed.\n"
+      "fix skin all granary/skin speed {}\n"
+      "variable skin equal f_skin\n"
+      "variable reach equal f_skin[1]\n"
+      "neighbor ${{skin}} bin\n"
+      "neigh_modify binsize ${{reach}}\n"
+      "unfix skin\n",
+      tip_speed(c.machine));
 }
 
 // A longer reach makes longer lists, a shorter one makes them more often: the best grows as the square root of what the

@@ -22,6 +22,9 @@ Schedule schedule_of(const DemCase& dem_case);
 /// Extra reach of the neighbour lists [m] while the bed settles, or where no other is tried out (docs/dem.md).
 double neighbour_skin(const DemCase& dem_case);
 
+/// Commands between two runs that choose that reach by a trial; none where one is stated, or with stock walls.
+std::string skin_trial(const DemCase& dem_case);
+
 /// The LIGGGHTS input script. Pure. Errors: only our own (a template that does not fit).
 Result<std::string> input_script(const DemCase& dem_case, const std::vector<Body>& all);
 

@@ -12,6 +12,9 @@
 
 namespace granary::dem {
 
+/// Weight of the depths between pieces of one agglomerate: below all others.
+constexpr double kOwnDebris = 1e-9;
+
 /// What leant on a particle, when, and how far in.
 struct Squeeze {
   double cause = -1.0;  ///< number of the cause; -1: nothing yet

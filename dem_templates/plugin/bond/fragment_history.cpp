@@ -40,7 +40,7 @@ std::vector<json::Value> FragmentHistory::break_lines(std::vector<BreakEvent> ev
     graph_.remove_bond(event.tag, event.far_tag);
     ++broken_;
     broken_agglomerates_.insert(event.agglomerate);
-    const std::string cause = cause_of(event, fragment, squeezes);
+    const int cause = cause_of(event, fragment, squeezes);
     causes_since_.emplace_back(event.tag, cause);
     lines.push_back(json::Value::object({{"time_s", event.time},
                                          {"agglomerate", event.agglomerate},
@@ -48,42 +48,55 @@ std::vector<json::Value> FragmentHistory::break_lines(std::vector<BreakEvent> ev
                                          {"position_m", std::vector<double>(event.place.begin(), event.place.end())},
                                          {"mode", kModes[static_cast<std::size_t>(event.mode)]},
                                          {"stress_pa", event.stress},
-                                         {"cause", cause},
+                                         {"cause", name_of(cause)},
                                          {"fragment_spheres", fragment.size()}}));
   }
   return lines;
 }
 
-std::string FragmentHistory::cause_of(const BreakEvent& event, const std::vector<Tag>& fragment,
-                                      const std::unordered_map<Tag, Squeeze>& squeezes) const {
-  std::string cause = "none";
+int FragmentHistory::cause_of(const BreakEvent& event, const std::vector<Tag>& fragment,
+                              const std::unordered_map<Tag, Squeeze>& squeezes) {
+  int cause = -1;
   double deepest = -1.0;
   for (const Tag tag : fragment) {
     const auto found = squeezes.find(tag);
     if (found == squeezes.end()) continue;
     const Squeeze& s = found->second;
-    const auto number = static_cast<std::size_t>(s.cause);
-    if (event.step - s.step > window_ || s.depth <= deepest || number >= names_.size()) continue;
+    const int number = static_cast<int>(s.cause);
+    if (event.step - s.step > window_ || s.depth <= deepest || number >= static_cast<int>(names_.size())) continue;
     deepest = s.depth;
-    cause = names_[number];
+    cause = number;
   }
-  return cause;
+  if (deepest > kOwnDebris) {
+    for (const Tag tag : fragment) blows_[tag] = {cause, event.step};
+    return cause;
+  }
+  // What was one piece at the blow has it in common, whichever particle is asked.
+  const auto blow = blows_.find(event.tag);
+  return blow != blows_.end() && event.step - blow->second.step <= window_ ? blow->second.cause : cause;
 }
 
 // The one that broke most of its bonds; of equals the first by name.
-std::string FragmentHistory::cause_of(const Split& split) const {
-  std::map<std::string, int> votes;
+int FragmentHistory::cause_of(const Split& split) const {
+  std::map<std::string, std::pair<int, int>> votes;  // by name: how many, for which
   for (const auto& [tag, cause] : causes_since_)
-    if (std::binary_search(split.parent.begin(), split.parent.end(), tag)) ++votes[cause];
-  const auto most =
-      std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == votes.end() ? "none" : most->first;
+    if (std::binary_search(split.parent.begin(), split.parent.end(), tag)) {
+      auto& [n, number] = votes[name_of(cause)];
+      ++n, number = cause;
+    }
+  const auto most = std::max_element(votes.begin(), votes.end(),
+                                     [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+  return most == votes.end() ? -1 : most->second.second;
 }
 
 json::Value FragmentHistory::sample_line(double time, double step, const FragmentSurvey& survey) {
   set_graph(survey);
   std::unordered_map<Tag, FragmentParticle> particles;
-  for (const auto& particle : survey.particles) particles[particle.tag] = particle.shape;
+  std::unordered_map<Tag, Tag> agglomerate;
+  for (const auto& particle : survey.particles) {
+    particles[particle.tag] = particle.shape;
+    agglomerate[particle.tag] = particle.agglomerate;
+  }
 
   const std::vector<std::vector<Tag>> now = graph_.fragments();
   std::vector<std::pair<double, double>> solid, spread;
@@ -98,8 +111,12 @@ json::Value FragmentHistory::sample_line(double time, double step, const Fragmen
   for (const auto& [spheres, count] : counts) sizes.push_back(json::Array{spheres, count});
   for (const Split& split : splits_between(fragments_, now)) {
     json::Array daughters(split.daughters.begin(), split.daughters.end());
-    splits.push_back(json::Value::object(
-        {{"parent", split.parent.size()}, {"daughters", std::move(daughters)}, {"cause", cause_of(split)}}));
+    const auto there = std::find_if(split.parent.begin(), split.parent.end(),
+                                    [&](Tag tag) { return agglomerate.find(tag) != agglomerate.end(); });
+    splits.push_back(json::Value::object({{"parent", split.parent.size()},
+                                          {"daughters", std::move(daughters)},
+                                          {"cause", name_of(cause_of(split))},
+                                          {"agglomerate", agglomerate[*there]}}));
   }
 
   const double bonds = static_cast<double>(survey.bonds.size());
@@ -138,6 +155,14 @@ std::vector<double> FragmentHistory::state() const {
   list(broken_agglomerates_);
   values.push_back(static_cast<double>(fragments_.size()));
   for (const auto& fragment : fragments_) list(fragment);
+  values.push_back(static_cast<double>(causes_since_.size()));
+  for (const auto& [tag, cause] : causes_since_) {
+    values.push_back(static_cast<double>(tag));
+    values.push_back(cause);
+  }
+  values.push_back(static_cast<double>(blows_.size()));
+  for (const auto& [tag, blow] : blows_)
+    values.insert(values.end(), {static_cast<double>(tag), static_cast<double>(blow.cause), blow.step});
   return values;
 }
 
@@ -151,6 +176,13 @@ void FragmentHistory::set_state(const double* values) {
   list([this](Tag tag) { broken_agglomerates_.insert(tag); });
   fragments_.resize(static_cast<std::size_t>(*values++));
   for (auto& fragment : fragments_) list([&fragment](Tag tag) { fragment.push_back(tag); });
+  causes_since_.resize(static_cast<std::size_t>(*values++));
+  for (auto& [tag, cause] : causes_since_) {
+    tag = static_cast<Tag>(*values++);
+    cause = static_cast<int>(*values++);
+  }
+  for (auto n = static_cast<std::size_t>(*values++); n-- > 0; values += 3)
+    blows_[static_cast<Tag>(values[0])] = {static_cast<int>(values[1]), values[2]};
 }
 
 }  // namespace granary::dem

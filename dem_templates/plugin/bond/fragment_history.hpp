@@ -42,7 +42,9 @@ class FragmentHistory {
   /// Begins, or goes on, from what there is.
   void start(const FragmentSurvey& survey);
   /// A line for each bond that broke since the last call. The cause is what squeezed a particle of that fragment
-  /// deepest within the window before; "none" if nothing did.
+  /// deepest within the window before. What a blow sets off goes on when the particles it struck have come off: a
+  /// fragment that nothing squeezes has the cause of the last break of the piece it was part of, if that lies in the
+  /// window. Then comes debris of the same agglomerate; "none" if nothing did.
   std::vector<json::Value> break_lines(std::vector<BreakEvent> events,
                                        const std::unordered_map<Tag, Squeeze>& squeezes);
   /// The line of a sample; splits are since the last one.
@@ -55,17 +57,24 @@ class FragmentHistory {
 
  private:
   void set_graph(const FragmentSurvey& survey);
-  std::string cause_of(const BreakEvent& event, const std::vector<Tag>& fragment,
-                       const std::unordered_map<Tag, Squeeze>& squeezes) const;
-  std::string cause_of(const Split& split) const;
+  /// Place among the names; -1: none.
+  int cause_of(const BreakEvent& event, const std::vector<Tag>& fragment,
+               const std::unordered_map<Tag, Squeeze>& squeezes);
+  int cause_of(const Split& split) const;
+  std::string name_of(int cause) const { return cause < 0 ? "none" : names_[static_cast<std::size_t>(cause)]; }
 
   std::vector<std::string> names_;
   double window_ = 0.0;
   BondGraph graph_;
   double broken_ = 0.0, last_sample_ = -1.0;
   std::set<Tag> agglomerates_, broken_agglomerates_;
-  std::vector<std::vector<Tag>> fragments_;                ///< of the last sample
-  std::vector<std::pair<Tag, std::string>> causes_since_;  ///< of each break since then, by one end of the bond
+  std::vector<std::vector<Tag>> fragments_;        ///< of the last sample
+  std::vector<std::pair<Tag, int>> causes_since_;  ///< of each break since then, by one end of the bond
+  struct Blow {
+    int cause;
+    double step;
+  };
+  std::unordered_map<Tag, Blow> blows_;  ///< the last to the piece each particle was part of
 };
 
 }  // namespace granary::dem

@@ -138,22 +138,36 @@ TEST(FragmentHistory, SampleCountsBondsSizesAndSplits) {
   EXPECT_EQ(line["fragments"].as_integer(), 2);
   EXPECT_NEAR(line["d50_m"].as_number(), 1e-3 * std::cbrt(4.0), 1e-12);
   EXPECT_EQ(json::dump(line["sizes"]), "[[2,1],[4,1]]");
-  EXPECT_EQ(json::dump(line["splits"]), R"([{"parent":6,"daughters":[4,2],"cause":"chopper"}])");
+  EXPECT_EQ(json::dump(line["splits"]), R"([{"parent":6,"daughters":[4,2],"cause":"chopper","agglomerate":1}])");
   // Nothing more broke: nothing more split.
   EXPECT_EQ(history.sample_line(2e-4, 200.0, without(row(6), 4, 5))["splits"].size(), 0u);
 }
 
+TEST(FragmentHistory, WhatABlowSetsOffIsItsDoingWhenTheStruckParticlesHaveComeOff) {
+  // The window is 100 steps. The chopper strikes 6; later, debris of the same agglomerate leans on 1.
+  FragmentHistory history = started(6);
+  const std::unordered_map<Tag, Squeeze> touched{{6, {1.0, 0.01, 50.0}}, {1, {0.0, 1e-10, 160.0}}};
+  const auto lines =
+      history.break_lines({broken(50, 5, 6), broken(60, 2, 3), broken(195, 1, 2), broken(195, 3, 4)}, touched);
+  EXPECT_EQ(lines[0]["cause"].as_string(), "chopper");
+  EXPECT_EQ(lines[1]["cause"].as_string(), "chopper");    // no longer one piece with 6, but it was
+  EXPECT_EQ(lines[2]["cause"].as_string(), "particles");  // too long after: the debris is left
+  EXPECT_EQ(lines[3]["cause"].as_string(), "none");
+}
+
 TEST(FragmentHistory, GoesOnFromItsState) {
   FragmentHistory history = started(6);
-  history.break_lines({broken(50, 4, 5)}, {});
+  history.break_lines({broken(50, 4, 5)}, {{5, {1.0, 0.01, 30.0}}});
   FragmentHistory other;
+  other.set_causes({"particles", "chopper", "shell"}, 40.0);
   other.set_state(history.state().data());
   other.start(without(row(6), 4, 5));
   EXPECT_EQ(other.last_sample(), 0.0);
   const json::Value line = other.sample_line(1e-4, 100.0, without(row(6), 4, 5));
   EXPECT_EQ(line["broken"].as_integer(), 1);
   EXPECT_EQ(line["agglomerate_breakage_ratio"].as_number(), 1.0);
-  EXPECT_EQ(line["splits"].size(), 1u);
+  ASSERT_EQ(line["splits"].size(), 1u);
+  EXPECT_EQ(line["splits"].items()[0]["cause"].as_string(), "chopper");
 }
 
 }  // namespace
