@@ -1,18 +1,19 @@
 #include "pilot/launch/local_launcher.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "common/files.hpp"
 #include "common/log.hpp"
 #include "pilot/launch/command.hpp"
 #include "pilot/launch/marked.hpp"
+#include "pilot/launch/prepared_processes.hpp"
 #include "pilot/launch/set_aside.hpp"
 #include "pilot/launch/spawn.hpp"
 
@@ -26,21 +27,7 @@ namespace {
 
 constexpr double kStrayPause = 0.005;  ///< between looks for processes that were sent SIGKILL [s]
 constexpr int kStrayLooks = 400;
-
-/// A file descriptor that closes itself.
-class OwnedFd {
- public:
-  explicit OwnedFd(int fd) : fd_(fd) {}
-  ~OwnedFd() {
-    if (fd_ >= 0) close(fd_);
-  }
-  OwnedFd(const OwnedFd&) = delete;
-  OwnedFd& operator=(const OwnedFd&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
+constexpr int kMostPrepared = 8;  ///< processes
 
 std::vector<std::string> our_environment() {
   std::vector<std::string> env;
@@ -48,20 +35,9 @@ std::vector<std::string> our_environment() {
   return env;
 }
 
-int open_output(const fs::path& file) {
-  return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
-}
-
-/// Opens an output file; its folder is made when it turns out to be missing, which costs nothing in the usual case.
-Result<int> make_output(const fs::path& file) {
-  int fd = open_output(file);
-  if (fd < 0 && errno == ENOENT) {
-    GRANARY_CHECK(make_folders(file.parent_path()));
-    fd = open_output(file);
-  }
-  if (fd >= 0) return fd;
-  return Error{fmt::format("{}: cannot be opened for the task's output: {}", file.string(), std::strerror(errno)),
-               Exit::task_failed};
+/// Most output files lie in the working folder itself.
+Status make_folder_of(const fs::path& file, const fs::path& dir) {
+  return file.has_parent_path() ? make_folders((dir / file).parent_path()) : Status();
 }
 
 }  // namespace
@@ -70,6 +46,7 @@ struct LocalLauncher::State {
   struct Running {
     Launch launch;
     int pid = 0, pidfd = -1;
+    std::shared_ptr<Child> child;
     bool killed = false, suspended = false;
     ProcessEnd end;  ///< once the first process has ended
     std::function<void(const RunEnd&)> ended;
@@ -80,6 +57,7 @@ struct LocalLauncher::State {
   std::vector<std::string> environment = our_environment();
   std::vector<int> all_cpus;
   std::map<AttemptId, Running> running;
+  PreparedProcesses prepared{std::min(machine.n_cores(), kMostPrepared)};
 
   /// The attempt, if its first process still lives.
   Running* living(AttemptId attempt) {
@@ -130,6 +108,7 @@ struct LocalLauncher::State {
     auto node = running.extract(attempt);
     Running& run = node.mapped();
     RunEnd end{run.end.exit_code, run.end.signal, run.end.cpu_s, {}, "", ""};
+    if (const auto failure = start_failure(run.child)) end.not_started = failure->message;
     if (end.exit_code == 0) {
       std::error_code error;
       for (const fs::path& file : run.launch.spec.produces) {
@@ -140,8 +119,7 @@ struct LocalLauncher::State {
   }
 };
 
-LocalLauncher::LocalLauncher(RealLoop& loop, Machine machine)
-    : state_(new State{loop, std::move(machine), our_environment(), {}, {}}) {
+LocalLauncher::LocalLauncher(RealLoop& loop, Machine machine) : state_(new State{loop, std::move(machine)}) {
   for (int core = 0; core < state_->machine.n_cores(); ++core) state_->all_cpus.push_back(state_->machine.cpu_of(core));
 }
 
@@ -171,22 +149,21 @@ Result<ProcessKey> LocalLauncher::start(const Launch& launch, std::function<void
     request.argv = mpirun_argv(launch, request.env, rank_file, geteuid() == 0);
   }
   GRANARY_TRY(request.file, find_executable(request.argv[0], launch.dir, variable(request.env, "PATH")));
-  GRANARY_TRY(const int out, make_output(stdout_path(launch)));
-  const OwnedFd out_owner(out);
-  const bool one_file = stderr_path(launch) == stdout_path(launch);
-  GRANARY_TRY(const int err, one_file ? Result<int>(-1) : make_output(stderr_path(launch)));
-  const OwnedFd err_owner(err);
+  request.stdout_file = stdout_path(launch).string();
+  request.stderr_file = stderr_path(launch).string();
+  GRANARY_CHECK(make_folder_of(launch.spec.stdout_file, launch.dir));
+  GRANARY_CHECK(make_folder_of(launch.spec.stderr_file, launch.dir));
   request.dir = launch.dir.string();
   request.cpus = state_->cpus_of(launch.cores);
   // The controller carries results over, monitors read and mpirun waits on the cores that fillers fill.
   request.background = launch.spec.fill;
-  request.stdout_fd = out;
-  request.stderr_fd = one_file ? out : err;
-  GRANARY_TRY(const Spawned process, spawn(request));
+  auto at_hand = state_->prepared.start(request);
+  GRANARY_TRY(Spawned process, at_hand ? Result<Spawned>(std::move(*at_hand)) : spawn(request));
 
   const AttemptId attempt = launch.attempt;
-  state_->running.emplace(attempt,
-                          State::Running{launch, process.pid, process.pidfd, false, false, {}, std::move(ended)});
+  state_->running.emplace(
+      attempt,
+      State::Running{launch, process.pid, process.pidfd, std::move(process.child), false, false, {}, std::move(ended)});
   state_->loop.watch(process.pidfd, [state = state_.get(), attempt] { state->first_process_ended(attempt); });
   return ProcessKey{process.pid, process.start_ticks};
 }

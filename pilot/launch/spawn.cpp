@@ -16,56 +16,35 @@
 #include <cstring>
 #include <ctime>
 #include <mutex>
+#include <utility>
+
+#include "pilot/launch/child.hpp"
 
 namespace granary::pilot {
 namespace {
 
-enum class Stage { none, group, affinity, folder, files, execute };
-
-/// What the child reads, and where it says what went wrong: it shares our memory until it executes the program.
-struct Child {
-  const char* file;
-  char* const* argv;
-  char* const* env;
-  const char* dir;
-  const cpu_set_t* cpus;
-  bool background;
-  int in, out, err;
-  Stage failed = Stage::none;
-  int code = 0;
-};
-
 int fail(Child* child, Stage stage) {
-  child->failed = stage;
-  child->code = errno;
+  if (child != nullptr && child->failed == Stage::none) {
+    child->failed = stage;
+    child->code = errno;
+  }
   return 127;
 }
 
-// Runs in the child, on a stack of its own but in our memory: system calls only.
+/// -1: it cannot be opened.
+int open_output(const std::string& file) {
+  return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+}
+
+int null_device() {
+  static const int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+  return fd;
+}
+
 int run_child(void* argument) {
   auto* child = static_cast<Child*>(argument);
-  struct sigaction standard = {};
-  standard.sa_handler = SIG_DFL;
-  for (int signal = 1; signal < 32; ++signal) (void)sigaction(signal, &standard, nullptr);
-  // No session of its own: with automatic task groups each would be scheduled as a user by itself, made and unmade with
-  // it.
-  if (setpgid(0, 0) < 0) return fail(child, Stage::group);
-  if (child->cpus != nullptr && sched_setaffinity(0, sizeof *child->cpus, child->cpus) != 0)
-    return fail(child, Stage::affinity);
-  if (child->background) {
-    const sched_param usual = {};
-    (void)sched_setscheduler(0, SCHED_OTHER, &usual);  // ours may be a real-time one
-    (void)!nice(19);
-  }
-  if (child->dir != nullptr && chdir(child->dir) != 0) return fail(child, Stage::folder);
-  if (dup2(child->in, 0) < 0 || dup2(child->out, 1) < 0 || dup2(child->err, 2) < 0) return fail(child, Stage::files);
-  // Whatever a library of ours has left open is none of the program's business.
-  (void)syscall(SYS_close_range, 3U, ~0U, CLOSE_RANGE_CLOEXEC);
-  sigset_t none;
-  sigemptyset(&none);
-  (void)sigprocmask(SIG_SETMASK, &none, nullptr);
-  execve(child->file, child->argv, child->env);
-  return fail(child, Stage::execute);
+  become_group_leader(child);
+  return execute(child);
 }
 
 /// A stack for children, used by one at a time: the parent sleeps until the child has executed its program.
@@ -76,11 +55,6 @@ void* child_stack_top() {
   return stack == MAP_FAILED ? nullptr : static_cast<char*>(stack) + kSize;
 }
 
-int null_device() {
-  static const int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
-  return fd;
-}
-
 std::vector<char*> pointers(const std::vector<std::string>& texts) {
   std::vector<char*> list;
   list.reserve(texts.size() + 1);
@@ -89,7 +63,50 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return list;
 }
 
-/// The clock of field 22 of /proc/PID/stat: time since boot in hundredths of a second, rounded down.
+}  // namespace
+
+Child::Child(SpawnRequest wanted)
+    : request(std::move(wanted)), argv(pointers(request.argv)), env(pointers(request.env)) {
+  CPU_ZERO(&cpus);
+  for (const int cpu : request.cpus) CPU_SET(cpu, &cpus);
+  for (int* fd : {&request.stdin_fd, &request.stdout_fd, &request.stderr_fd})
+    if (*fd < 0) *fd = null_device();
+}
+
+void become_group_leader(Child* child) {
+  struct sigaction standard = {};
+  standard.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < 32; ++signal) (void)sigaction(signal, &standard, nullptr);
+  // No session of its own: with automatic task groups each would be scheduled as a user by itself, made and unmade with
+  // it.
+  if (setpgid(0, 0) < 0) (void)fail(child, Stage::group);
+}
+
+int execute(Child* child) {
+  const SpawnRequest& request = child->request;
+  if (child->failed != Stage::none) return 127;
+  if (!request.cpus.empty() && sched_setaffinity(0, sizeof child->cpus, &child->cpus) != 0)
+    return fail(child, Stage::affinity);
+  if (request.background) {
+    const sched_param usual = {};
+    (void)sched_setscheduler(0, SCHED_OTHER, &usual);  // ours may be a real-time one
+    (void)!nice(19);
+  }
+  if (!request.dir.empty() && chdir(request.dir.c_str()) != 0) return fail(child, Stage::folder);
+  const int out = request.stdout_file.empty() ? request.stdout_fd : open_output(request.stdout_file);
+  const bool same = request.stderr_file == request.stdout_file && !request.stdout_file.empty();
+  const int err = same ? out : request.stderr_file.empty() ? request.stderr_fd : open_output(request.stderr_file);
+  if (out < 0 || err < 0) return fail(child, Stage::output);
+  if (dup2(request.stdin_fd, 0) < 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0) return fail(child, Stage::files);
+  // Whatever a library of ours has left open is none of the program's business.
+  (void)syscall(SYS_close_range, 3U, ~0U, CLOSE_RANGE_CLOEXEC);
+  sigset_t none;
+  sigemptyset(&none);
+  (void)sigprocmask(SIG_SETMASK, &none, nullptr);
+  execve(request.file.c_str(), child->argv.data(), child->env.data());
+  return fail(child, Stage::execute);
+}
+
 std::uint64_t boot_ticks() {
   timespec time = {};
   (void)clock_gettime(CLOCK_BOOTTIME, &time);
@@ -106,6 +123,11 @@ Error spawn_error(const SpawnRequest& request, Stage stage, int code) {
     }
     case Stage::folder:
       return {fmt::format("{}: the working folder cannot be entered: {}", request.dir, why), Exit::task_failed};
+    case Stage::output: {
+      std::string files = request.stdout_file;
+      if (request.stderr_file != files) files += (files.empty() ? "" : " or ") + request.stderr_file;
+      return {fmt::format("{}: cannot be opened for the task's output: {}", files, why), Exit::task_failed};
+    }
     case Stage::execute:
       return {fmt::format("{}: cannot be executed: {}", request.file, why), Exit::task_failed};
     default:
@@ -113,23 +135,8 @@ Error spawn_error(const SpawnRequest& request, Stage stage, int code) {
   }
 }
 
-}  // namespace
-
 Result<Spawned> spawn(const SpawnRequest& request) {
-  const std::vector<char*> argv = pointers(request.argv), env = pointers(request.env);
-  cpu_set_t cpus;
-  CPU_ZERO(&cpus);
-  for (const int cpu : request.cpus) CPU_SET(cpu, &cpus);
-  const auto or_null = [](int fd) { return fd >= 0 ? fd : null_device(); };
-  Child child{request.file.c_str(),
-              argv.data(),
-              env.data(),
-              request.dir.empty() ? nullptr : request.dir.c_str(),
-              request.cpus.empty() ? nullptr : &cpus,
-              request.background,
-              or_null(request.stdin_fd),
-              or_null(request.stdout_fd),
-              or_null(request.stderr_fd)};
+  Child child(request);
   static std::mutex one_at_a_time;  // threads share the stack of the child
   const std::scoped_lock lock(one_at_a_time);
   void* stack = child_stack_top();
@@ -154,7 +161,12 @@ Result<Spawned> spawn(const SpawnRequest& request) {
   // It was made between two readings of the clock that the kernel stamps it with. Only if a tick lies between them,
   // its file in /proc must be read, which takes longer than all the rest: it waits for the new program to be loaded.
   const std::uint64_t tick = boot_ticks();
-  return Spawned{pid, pidfd, tick == tick_before ? tick : start_ticks(pid)};
+  return Spawned{pid, pidfd, tick == tick_before ? tick : start_ticks(pid), nullptr};
+}
+
+std::optional<Error> start_failure(const std::shared_ptr<Child>& child) {
+  if (!child || child->failed == Stage::none) return std::nullopt;
+  return spawn_error(child->request, child->failed, child->code);
 }
 
 ProcessEnd reap(int pidfd) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,13 +22,22 @@ struct SpawnRequest {
   int stdin_fd = -1;             ///< -1: /dev/null
   int stdout_fd = -1;            ///< -1: /dev/null, as for stderr
   int stderr_fd = -1;
+  std::string stdout_file;  ///< made anew by the process, with its absolute path; empty: stdout_fd. Likewise for stderr
+  std::string stderr_file;  ///< the same as stdout_file: one file for both
 };
+
+struct Child;
 
 struct Spawned {
   int pid = 0;
   int pidfd = -1;                 ///< readable when it has ended; the caller closes it
   std::uint64_t start_ticks = 0;  ///< as start_ticks(pid), but for free
+  /// Of a process that was prepared: keep it until it has ended. Only then it is known whether it could start.
+  std::shared_ptr<Child> child;
 };
+
+/// Why a prepared process could not execute its program; asked for when it has ended.
+std::optional<Error> start_failure(const std::shared_ptr<Child>& child);
 
 /// How a process ended, and what it cost.
 struct ProcessEnd {
@@ -35,8 +46,8 @@ struct ProcessEnd {
   double cpu_s = 0.0;  ///< of it and the children it waited for [s]
 };
 
-/// Starts a process that leads a process group of its own. The cost does not grow with our own memory
-/// (vfork semantics), and a failure of execve comes back here, not as an exit code.
+/// Starts a process that leads a process group of its own, waiting until it executes its program. The cost does not
+/// grow with our own memory (vfork semantics), and a failure of execve comes back here, not as an exit code.
 Result<Spawned> spawn(const SpawnRequest& request);
 
 /// Takes the end of a process whose pidfd is readable (waits for it if not).

@@ -3,14 +3,17 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <optional>
 
 #include "common/files.hpp"
 #include "pilot/launch/local_launcher.hpp"
+#include "pilot/launch/prepared_processes.hpp"
 #include "pilot/launch/run_program.hpp"
 #include "pilot/launch/spawn.hpp"
 #include "pilot/task_list.hpp"
@@ -87,6 +90,13 @@ bool is_alive(int pid) {
 }
 
 /// Runs the loop until `done` (looked at every 5 ms) or 10 s are over.
+/// Or will be as soon as it gets a core, which takes a filler long on a busy machine: SIGSTOP waits for it.
+bool is_stopped(int pid) {
+  const std::string pending = process_status(pid, "ShdPnd");
+  return process_status(pid, "State").starts_with("T") ||
+         (!pending.empty() && (std::stoull(pending, nullptr, 16) >> (SIGSTOP - 1) & 1U) != 0);
+}
+
 void run_until(RealLoop& loop, const std::function<bool()>& done) {
   const double deadline = loop.now() + 10.0;
   std::function<void()> look = [&] {
@@ -233,19 +243,19 @@ TEST_F(PilotProcesses, SuspendsAFillerWhileATaskNeedsItsCoreAndResumesIt) {
     filler.fill = true;
     ASSERT_TRUE(pilot->submit(filler).has_value());
   }
-  run_until(loop, [&] { return pid_of("fill0") > 0 && process_status(pid_of("fill0"), "State")[0] == 'S'; });
+  run_until(loop, [&] { return process_status(pid_of("fill0"), "Name") == "sleep"; });
   const int pid = pid_of("fill0");
   TaskSpec urgent = script("urgent", "sleep 0.4");
   urgent.threads = machine.n_cores();
   const TaskId id = *pilot->submit(urgent);
   run_until(loop, [&] { return pilot->state(id) == TaskState::running; });
 
-  EXPECT_EQ(process_status(pid, "State").substr(0, 1), "T");
+  EXPECT_TRUE(is_stopped(pid));
   EXPECT_EQ(pilot->state(*pilot->find("fill0")), TaskState::suspended);
   run_until(loop, [&] {
     return pilot->state(id) == TaskState::finished && pilot->state(*pilot->find("fill0")) == TaskState::running;
   });
-  EXPECT_NE(process_status(pid, "State").substr(0, 1), "T");
+  EXPECT_FALSE(is_stopped(pid));
   run_until(loop, [&] { return pilot->idle(); });
   EXPECT_EQ(end_of("fill0").state, TaskState::finished);
   EXPECT_EQ(pilot->timeline().at(0).outcome, TaskState::suspended);
@@ -274,6 +284,67 @@ TEST(Spawn, StampsAProcessAsTheKernelDoes) {
     (void)reap(process->pidfd);
     close(process->pidfd);
   }
+}
+
+TEST(Spawn, StampsAPreparedProcessAsTheKernelDoesAndTellsWhyItCouldNotStart) {
+  PreparedProcesses prepared(2);
+  std::optional<Spawned> process;
+  const auto start = [&](const std::string& file) {
+    process.reset();
+    for (int k = 0; k < 2000 && !process; ++k, usleep(1000))
+      process = prepared.start({file, {file, "30"}, {}, "/", {}});
+    ASSERT_TRUE(process.has_value());
+  };
+
+  for (int k = 0; k < 20; ++k) {
+    start("/bin/sleep");
+    EXPECT_EQ(process->start_ticks, start_ticks(process->pid));
+    kill(process->pid, SIGKILL);
+    EXPECT_EQ(reap(process->pidfd).signal, SIGKILL);
+    EXPECT_FALSE(start_failure(process->child).has_value());
+    close(process->pidfd);
+  }
+  start("/etc/passwd");
+  EXPECT_EQ(reap(process->pidfd).exit_code, 127);
+  EXPECT_THAT(start_failure(process->child).value().message, HasSubstr("/etc/passwd: cannot be executed: Permission"));
+  close(process->pidfd);
+}
+
+/// The processes of a program whose parent is this one.
+std::vector<int> children_of(int pid) {
+  std::vector<int> children;
+  for (const auto& thread : fs::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream file(thread.path() / "children");
+    for (int child = 0; file >> child;) children.push_back(child);
+  }
+  return children;
+}
+
+TEST(Spawn, PreparedProcessesHoldNoFileAndGoWithAPilotThatIsKilled) {
+  const fs::path file = fs::temp_directory_path() / ("granary_prepared_" + std::to_string(getpid()));
+  std::ofstream held(file);
+  const int pilot = fork();
+  if (pilot == 0) {
+    PreparedProcesses prepared(3);
+    while (true) pause();
+  }
+  std::vector<int> waiting;
+  for (int k = 0; k < 5000 && waiting.size() < 3; ++k, usleep(1000)) waiting = children_of(pilot);
+  ASSERT_EQ(waiting.size(), 3u);
+  usleep(50'000);
+  for (const int pid : waiting) {
+    std::vector<std::string> open;
+    for (const auto& fd : fs::directory_iterator("/proc/" + std::to_string(pid) + "/fd"))
+      open.push_back(fs::read_symlink(fd.path()).string());
+    EXPECT_THAT(open, ElementsAre("/dev/null", "/dev/null", "/dev/null"));
+  }
+  kill(pilot, SIGKILL);
+  waitpid(pilot, nullptr, 0);
+
+  const auto lives = [](int pid) { return kill(pid, 0) == 0 && process_status(pid, "State").substr(0, 1) != "Z"; };
+  for (int k = 0; k < 2000 && std::any_of(waiting.begin(), waiting.end(), lives); ++k) usleep(1000);
+  EXPECT_TRUE(std::none_of(waiting.begin(), waiting.end(), lives));
+  fs::remove(file);
 }
 
 TEST(RunProgram, GivesInputAndTakesBothOutputs) {
