@@ -12,6 +12,7 @@
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_run.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/render/deck.hpp"
 #include "dem_templates/render/wall_commands.hpp"
 
 namespace granary::bench {
@@ -101,10 +102,7 @@ Result<std::string> timing_deck(const dem::DemCase& asked, const TimingDeck& dec
       c.ranks, deck.skin.value_or(c.tally.class_edges.back() / 4.0), m.young_modulus, m.wall_young_modulus,
       m.poisson_ratio, m.poisson_ratio, pairs(m.restitution), pairs(m.friction), c.time_step, kGravity, down.x, down.y,
       down.z, walls, deck.warm_up);
-  if (!deck.skin)
-    text += fmt::format(
-        "fix skin all granary/skin speed {}\nvariable skin equal f_skin\nneighbor ${{skin}} bin\nunfix skin\n",
-        dem::tip_speed(c.machine));
+  if (!deck.skin) text += dem::skin_trial(c);
   if (deck.windows > 0) text += tally_commands(c, all, deck.steps, deck.windows);
   return text + fmt::format("run {}\n", deck.steps);
 }

@@ -4,6 +4,7 @@
 #include <modify.h>
 
 #include "dem_templates/plugin/fix_agglomerates.hpp"
+#include "dem_templates/plugin/fix_balance.hpp"
 #include "dem_templates/plugin/fix_bond.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
@@ -35,6 +36,7 @@ namespace granary::dem {
 void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   auto& styles = *(lammps.modify->*fix_map_of_modify());
   styles["granary/agglomerates"] = create<FixAgglomerates>;
+  styles["granary/balance"] = create<FixBalance>;
   styles["granary/bond"] = create<FixBond>;
   styles["granary/guard"] = create<FixGuard>;
   styles["granary/outlet"] = create<FixOutlet>;

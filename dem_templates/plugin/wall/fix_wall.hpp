@@ -29,6 +29,9 @@ class FixWall : public LAMMPS_NS::Fix {
   /// The named body for the tally and the guard; nullptr if there is none. Lives no longer than this fix.
   std::unique_ptr<Wall> body(const std::string& name);
 
+  /// Of a particle of this rank with all bodies, at the last step.
+  std::size_t n_touches(int particle) const { return book_.page(static_cast<std::size_t>(particle)).n; }
+
   /// The largest overlap with a body at any step since the last call, over the particle's radius; of this rank.
   double take_largest_overlap();
 

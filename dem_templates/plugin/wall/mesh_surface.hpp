@@ -1,6 +1,8 @@
 // A surface of triangles.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,42 +28,66 @@ class MeshSurface : public Surface {
   std::vector<Triangle> triangles() const override { return triangles_; }
 
  private:
-  /// The plane of a triangle: many candidates are too far from it, so it is kept apart from the rest.
-  struct Plane {
-    Vector3 normal;
-    double offset;  ///< of the plane along the normal [m]
+  /// Four planes: that of the triangle, and through each side ab, bc, ca the one that stands on it upright, its normal
+  /// outwards. As columns, so that a processor takes all four at once.
+  struct alignas(32) Planes {
+    double x[4], y[4], z[4];
+    double offset[4];  ///< of the plane along its normal [m]
   };
-  /// Barycentric coordinates of p, as dot(p, to_b) - b: below 0 by as many times as `heights` (of the corners a, b, c
-  /// over their sides) as p lies beyond that side.
-  struct Face {
-    Vector3 to_b, to_c;
-    double b, c;
-    Vector3 heights;
+  /// The same rounded, a line of the cache: most triangles that are looked at are too far off to touch.
+  struct alignas(64) Rounded {
+    float x[4], y[4], z[4], offset[4];
+  };
+  /// Heights of a point over them [m].
+  struct Heights {
+    double over[4];
+
+    double face() const { return over[0]; }
+    /// Distance of the point, in the triangle's plane, from the farthest side that it is beyond of; not above 0 inside.
+    /// No point of the triangle is nearer.
+    double beyond() const { return std::max({over[1], over[2], over[3]}); }
+  };
+  struct Side {
+    Vector3 along{};           ///< unit vector
+    double from = 0, to = 0;   ///< of its ends, along it [m]
+    bool joined = false;       ///< another triangle has the same side, ...
+    Vector3 into{};            ///< ... unit vector in its plane, from the side inwards
+    double into_offset = 0.0;  ///< of the side, along that [m]
   };
   struct Candidate {
-    SurfaceTouch touch;
-    bool inside = false;  ///< nearest point in the inside of the triangle, not on its rim
+    enum class Kind {
+      inside,  ///< nearest point in the inside of the triangle
+      rim,     ///< on a side or a corner
+      seam     ///< on a side, and the triangle that is joined there comes nearer: no touch, but it may hide one
+    };
+    double distance;
+    std::uint32_t triangle;
+    Kind kind;
+    Vector3 point;  ///< the nearest; not set for a seam
   };
 
-  double height(std::uint32_t triangle, const Vector3& p) const {
-    return dot(p, planes_[triangle].normal) - planes_[triangle].offset;
-  }
-  /// Distance of p, in the triangle's plane, from the farthest side that it is beyond of; not above 0 inside. No point
-  /// of the triangle is nearer.
-  double beyond(std::uint32_t triangle, const Vector3& p) const;
+  /// No point of the triangle is nearer to p: square of the distance, but for rounding_ in the distance.
+  float rough_distance2(std::uint32_t triangle, const std::array<float, 3>& p) const;
+  Heights heights(std::uint32_t triangle, const Vector3& p) const;
+  double height(std::uint32_t triangle, const Vector3& p) const;
   bool contains(std::uint32_t triangle, const Vector3& p) const;
+  void join_sides();
   /// Lists the nearest triangles.
   void search(const Vector3& centre, const TriangleCells::Near& near, Nearby& nearby) const;
   /// Fills near_ with the triangles that touch; returns a distance that the surface keeps from the centre for certain.
   double find_touching(const Vector3& centre, double radius, Nearby& nearby);
+  /// A triangle that lies within the radius, its nearest point not in its inside.
+  Candidate on_rim(std::uint32_t triangle, const Vector3& centre, double radius, const Heights& over) const;
+  SurfaceTouch touch(const Vector3& centre, const Candidate& candidate) const;
   bool comes_nearer_elsewhere(const Candidate& candidate) const;
-  bool hidden(const Vector3& centre, const Candidate& candidate) const;
+  bool hidden(const Vector3& centre, const SurfaceTouch& behind) const;
 
   std::vector<Triangle> triangles_;
-  std::vector<Plane> planes_;
-  std::vector<Face> faces_;
+  std::vector<Rounded> rounded_;
+  std::vector<Planes> planes_;
+  std::vector<std::array<Side, 3>> sides_;
   double same_point_ = 0.0;  ///< points nearer than this are one: the digits of an STL file [m]
-  double rounding_ = 0.0;    ///< of a list of what is near, in single precision [m]
+  double rounding_ = 0.0;    ///< of a distance worked out in single precision [m]
   double same_direction_;    ///< cosine
 
   TriangleCells cells_;
