@@ -103,6 +103,9 @@ struct CostModel {
 
 struct Campaign;
 
+/// Cases that differ in nothing else are repetitions of one: their figures have a mean and a scatter.
+constexpr const char* kSeedSetting = "/dem/seed";
+
 /// One case of a sweep, as it would be understood by itself.
 struct SweepCase {
   std::string name;                 ///< "0001": of its folder and its task
@@ -121,6 +124,7 @@ struct Sweep {
   Solver solver = Solver::pbm;
   std::vector<Setting> settings;
   std::vector<SweepCase> cases;
+  std::optional<std::filesystem::path> reference;  ///< what others got: a CSV with the settings and figures as columns
 };
 
 struct Campaign {

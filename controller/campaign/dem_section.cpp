@@ -23,14 +23,10 @@ void read_guard(json::Reader reader, dem::Guard& guard) {
   reader.done();
 }
 
-/// LIGGGHTS' insertion takes only prime seeds above 10000, and says so only once it runs.
 void read_seed(json::Reader& reader, long& seed) {
-  constexpr std::int64_t kLeast = 10000;
-  seed = reader.integer_or("seed", seed, Range::between(1, 2147483647));
-  if (seed > kLeast && is_prime(seed)) return;
-  std::int64_t next = std::max<std::int64_t>(seed, kLeast + 1);
-  while (!is_prime(next)) ++next;
-  reader.problem("seed", "it must be a prime number above 10000.", "The next one is " + std::to_string(next) + ".");
+  seed = reader.integer_or("seed", seed, Range::between(1, kLargestSeed));
+  if (const std::int64_t next = next_seed(seed); next != seed)
+    reader.problem("seed", "it must be a prime number above 10000.", "The next one is " + std::to_string(next) + ".");
 }
 
 void read_rank_grid(json::Reader& reader, dem::DemCase& base) {
@@ -66,6 +62,12 @@ void read_scaling(json::Reader& reader, DemSettings& dem) {
 }
 
 }  // namespace
+
+std::int64_t next_seed(std::int64_t from) {
+  std::int64_t next = std::max<std::int64_t>(from, 10001);
+  while (!is_prime(next)) ++next;
+  return next;
+}
 
 void read_dem(json::Reader& root, Campaign& campaign, json::Problems& problems) {
   json::Reader reader = section_or_empty(root, "dem", problems);

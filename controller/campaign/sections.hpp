@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,10 @@ std::array<double, 2> quantity_pair_or(json::Reader& reader, const std::string& 
 
 /// A message with its file's name as the workflow has it: relative to the workflow's folder.
 std::string without_folder(std::string message, const std::filesystem::path& folder);
+
+/// LIGGGHTS' insertion takes only prime seeds above 10000, and says so only once it runs: the first from there on.
+std::int64_t next_seed(std::int64_t from);
+constexpr std::int64_t kLargestSeed = 2147483647;
 
 /// Whether a setting is left out or says "auto"; it then counts as read.
 bool is_auto(json::Reader& reader, const std::string& key);

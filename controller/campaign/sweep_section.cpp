@@ -129,6 +129,32 @@ void add_list(json::Reader& reader, Sweep& sweep, json::Problems& problems) {
   }
 }
 
+/// Each case as often with another seed, one after the other.
+void repeat_cases(int repeats, json::Reader& reader, json::Reader& root, Sweep& sweep) {
+  if (repeats == 1) return;
+  if (sweep.solver == Sweep::Solver::pbm)
+    return reader.problem("repeats", "a population balance comes out the same each time.", "Remove it.");
+  const std::size_t n_settings = sweep.settings.size(), seeds = column_of(sweep, kSeedSetting);
+  if (seeds < n_settings)
+    return reader.problem("repeats", std::string(kSeedSetting) + " is swept already.", "Give one of both.");
+  const json::Value* dem = root.raw("dem");
+  const json::Value* given = dem != nullptr && dem->is_object() ? dem->find("seed") : nullptr;
+  const std::int64_t first = given != nullptr && given->is_integer() ? given->as_integer() : dem::DemCase{}.seed;
+  std::vector<SweepCase> repeated;
+  for (const SweepCase& one : sweep.cases)
+    for (std::int64_t k = 0; k < repeats; ++k) {
+      constexpr std::int64_t kApart = 1000003, kRoom = kLargestSeed - 1000;
+      repeated.push_back(one);
+      repeated.back().values.resize(seeds + 1);
+      repeated.back().places.resize(seeds + 1);
+      repeated.back().values[seeds] = k == 0 ? first : next_seed((first + k * kApart) % kRoom);
+      repeated.back().places[seeds] = reader.pointer("repeats");
+    }
+  sweep.cases = std::move(repeated);
+  if (sweep.cases.size() > kMostCases)
+    reader.problem("repeats", fmt::format("it makes more than {} cases.", kMostCases), "Give fewer.");
+}
+
 /// Two columns of one name could not be told apart: then they are called by their pointers.
 void make_names_distinct(Sweep& sweep) {
   std::map<std::string, int> uses;
@@ -152,11 +178,18 @@ void read_sweep(json::Reader& root, Campaign& campaign, json::Problems& problems
   const auto axes = read_axes(reader, sweep);
   add_grid(axes, sweep, reader);
   add_list(reader, sweep, problems);
+  repeat_cases(static_cast<int>(reader.integer_or("repeats", 1, json::Range::between(1, 1000))), reader, root, sweep);
   if (!reader.has("grid") && !reader.has("cases"))
     reader.problem("grid", "there is nothing to sweep: neither a grid nor a list of cases.",
                    R"(Add for example "grid": [{"setting": "/pbm/bins", "values": [16, 32]}].)");
   else if (sweep.cases.empty() && problems.empty())
     reader.problem("grid", "it makes no case.", "Give at least one setting with one value.");
+  if (reader.has("reference")) {
+    sweep.reference = campaign.folder / reader.text("reference");
+    if (!std::filesystem::is_regular_file(*sweep.reference))
+      reader.problem("reference", "there is no file " + sweep.reference->string() + ".",
+                     "Its path begins at the workflow's folder.");
+  }
   reader.done();
   make_names_distinct(sweep);
   for (std::size_t i = 0; i < sweep.cases.size(); ++i) {

@@ -44,13 +44,11 @@ json::Value as_json(const sweep::BreakageKernel& kernel, const std::vector<sweep
 
 void print(const sweep::BreakageKernel& kernel, const std::vector<sweep::ResolvedCase>& cases,
            const std::vector<sweep::Comparison>& comparisons, const fs::path& folder) {
-  fmt::print("ln rate = c0 + c1 ln(n/{0}) + c2 ln^2(n/{0})", kernel.spheres);
-  for (const std::string& setting : kernel.settings) fmt::print(" + c ln({})", setting);
-  fmt::print("     (+- a standard error)\n");
+  fmt::print("ln rate = sum of coefficients, with their 95 %, times {}\n", fmt::join(features_of(kernel), ", "));
   for (const auto& one : kernel.causes) {
     fmt::print("  {:<10} {:>6} splits, dispersion {:5.2f}:", one.cause, one.splits, one.law.dispersion);
     for (std::size_t j = 0; j < one.law.coefficient.size(); ++j)
-      fmt::print("  {:.2f} +- {:.2f}", one.law.coefficient[j], std::sqrt(one.law.covariance[j][j]));
+      fmt::print("  {:.2f} ({:.2f} to {:.2f})", one.law.coefficient[j], one.interval(j).first, one.interval(j).second);
     fmt::print("\n");
   }
   fmt::print(
@@ -73,7 +71,8 @@ Result<Exit> kernel(const KernelCommand& command) {
   GRANARY_TRY(const campaign::Campaign campaign, campaign::read_written_campaign(dir / "campaign.json"));
   std::vector<std::string> settings;
   GRANARY_TRY(const auto cases, sweep::resolved_cases(campaign, dir, {command.held_out, command.from}, settings));
-  GRANARY_TRY(const auto kernel, sweep::fit_kernel(cases, settings));
+  const auto by = command.by_impacts ? sweep::KernelOptions::By::impacts : sweep::KernelOptions::By::settings;
+  GRANARY_TRY(const auto kernel, sweep::fit_kernel(cases, settings, by));
   const fs::path folder = dir / "kernel";
   std::vector<sweep::Comparison> comparisons;
   for (const sweep::ResolvedCase& one : cases) {

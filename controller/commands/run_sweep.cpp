@@ -43,8 +43,11 @@ std::string failures_of(const pilot::TaskListSummary& summary) {
 }  // namespace
 
 Result<Exit> run_sweep(Session& session, bool json, bool quiet) {
-  GRANARY_TRY(const auto anew, sweep::prepare_cases(session.campaign, session.dir, *session.pilot));
-  if (!anew.empty() && !quiet) fmt::print(stderr, "cut in the middle, they start anew: {}\n", fmt::join(anew, ", "));
+  GRANARY_TRY(const auto cut, sweep::prepare_cases(session.campaign, session.dir, *session.pilot));
+  if (!cut.anew.empty() && !quiet)
+    fmt::print(stderr, "cut in the middle, they start anew: {}\n", fmt::join(cut.anew, ", "));
+  if (!cut.going_on.empty() && !quiet)
+    fmt::print(stderr, "cut in the middle, they go on from their last state: {}\n", fmt::join(cut.going_on, ", "));
   session.stop_on_signals([&](const std::string& message) { session.pilot->stop_all(message); });
   GRANARY_CHECK(session.serve([&](const json::Value& request) { return session.pilot->answer(request); }));
   const auto tasks = sweep::tasks_of(session.campaign, program_folder());

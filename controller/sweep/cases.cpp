@@ -14,11 +14,13 @@ using campaign::Campaign;
 using campaign::Sweep;
 using campaign::SweepCase;
 
+constexpr const char* kState = "restart.liggghts";
+
 pilot::TaskSpec dem_task(const Campaign& one, const fs::path& programs) {
   pilot::TaskSpec task;
   task.command = {(programs / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
   task.ranks = one.dem_case.ranks;
-  task.produces = {"restart.liggghts", "tallies.jsonl", "fragments.jsonl"};
+  task.produces = {kState, "tallies.jsonl", "fragments.jsonl"};
   return task;
 }
 
@@ -32,8 +34,12 @@ pilot::TaskSpec pbm_task(const Campaign& one, const fs::path& programs) {
   return task;
 }
 
-Status write_case(const Sweep& sweep, const SweepCase& one, const fs::path& folder) {
-  if (sweep.solver == Sweep::Solver::dem) return dem::write_burst(one.understood->dem_case, folder);
+Status write_case(const Sweep& sweep, const SweepCase& one, const fs::path& folder, bool goes_on) {
+  if (sweep.solver == Sweep::Solver::dem) {
+    dem::DemCase dem = one.understood->dem_case;
+    if (goes_on) dem.restart = kState;
+    return dem::write_burst(dem, folder);
+  }
   GRANARY_CHECK(make_folders(folder));
   return json::write_file(folder / "case.json", pbm::to_json(one.understood->pbm_case));
 }
@@ -77,19 +83,21 @@ std::vector<pilot::TaskSpec> tasks_of(const Campaign& campaign, const fs::path& 
   return tasks;
 }
 
-Result<std::vector<std::string>> prepare_cases(const Campaign& campaign, const fs::path& dir,
-                                               const pilot::Pilot& pilot) {
-  std::vector<std::string> anew;
+Result<CutCases> prepare_cases(const Campaign& campaign, const fs::path& dir, const pilot::Pilot& pilot) {
+  CutCases cut;
   for (const SweepCase& one : campaign.sweep.cases) {
     if (is_over(pilot, one)) continue;
     const fs::path folder = dir / folder_of(one);
-    if (was_begun(one, folder)) {
+    const bool goes_on = fs::exists(folder / kState);
+    if (goes_on) {
+      cut.going_on.push_back(one.name);
+    } else if (was_begun(one, folder)) {
       GRANARY_CHECK(set_aside(folder));
-      anew.push_back(one.name);
+      cut.anew.push_back(one.name);
     }
-    GRANARY_CHECK(write_case(campaign.sweep, one, folder));
+    GRANARY_CHECK(write_case(campaign.sweep, one, folder, goes_on));
   }
-  return anew;
+  return cut;
 }
 
 }  // namespace granary::sweep

@@ -20,10 +20,15 @@ std::string task_name(const campaign::SweepCase& one);
 /// One task a case; `programs` is where granary-dem and granary-pbm are.
 std::vector<pilot::TaskSpec> tasks_of(const campaign::Campaign& campaign, const std::filesystem::path& programs);
 
-/// Writes what each case that is not over starts from. The folder of a case that was cut is set aside first
-/// (cases/0001.cut1): it starts anew. Returns the names of those. Errors: a full disk; what the writers of the cases
-/// refuse.
-Result<std::vector<std::string>> prepare_cases(const campaign::Campaign& campaign, const std::filesystem::path& dir,
-                                               const pilot::Pilot& pilot);
+/// Names of cases that were cut in the middle.
+struct CutCases {
+  std::vector<std::string> anew;      ///< start anew: their folder was set aside (cases/0001.cut1)
+  std::vector<std::string> going_on;  ///< go on from the last state that was written
+};
+
+/// Writes what each case that is not over starts from. A DEM that left a state (restart.liggghts) goes on from it; any
+/// other case that was cut starts anew. Errors: a full disk; what the writers of the cases refuse.
+Result<CutCases> prepare_cases(const campaign::Campaign& campaign, const std::filesystem::path& dir,
+                               const pilot::Pilot& pilot);
 
 }  // namespace granary::sweep

@@ -5,77 +5,30 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 #include <set>
+#include <tuple>
 
 #include "common/json/io.hpp"
-#include "common/units.hpp"
-#include "controller/sweep/cases.hpp"
-#include "controller/sweep/outcome.hpp"
 
 namespace granary::sweep {
 namespace {
 
-namespace fs = std::filesystem;
-using campaign::Campaign;
-using campaign::Sweep;
-using campaign::SweepCase;
-
 constexpr long kEnoughForALaw = 30;  // splits of a cause
 constexpr double kPrior = 3.0;       // of the exponents: wide beside what the counts know
 
-/// A repetition is no condition.
-bool is_seed(const std::string& pointer) { return pointer.ends_with("/seed"); }
+constexpr int kReplicas = 200;         // of the bootstrap
+constexpr double kLeastPower = 1e-10;  // [W] a sphere, where nothing hits
 
-bool is_held_out(const ResolvedCase& one, const std::vector<std::string>& held_out) {
-  return std::any_of(held_out.begin(), held_out.end(), [&](const std::string& word) {
-    return word == one.name || std::find(one.values.begin(), one.values.end(), word) != one.values.end();
-  });
-}
+using Records = std::vector<estimation::SizeRecord>;  // of one case
 
-Result<ResolvedCase> read_resolved(const SweepCase& from, const fs::path& folder, const KernelOptions& options) {
-  const dem::Agglomerates& put_in = *from.understood->dem_case.agglomerates;
-  ResolvedCase one;
-  one.name = from.name;
-  one.spheres = put_in.spheres;
-  one.sphere_volume = kPi / 6.0 * std::pow(put_in.sphere_diameter, 3);
-  one.seed = from.understood->dem_case.seed;
-  for (const json::Value& value : from.values) one.values.push_back(text_of(value));
-  const fs::path file = folder / "fragments.jsonl";
-  GRANARY_TRY(const auto lines, json::LineReader(file).next());
-  GRANARY_TRY(one.history, estimation::history_of(lines, file.string()));
-  std::erase_if(one.history, [&](const estimation::FragmentSample& sample) { return sample.time < options.from; });
-  if (!one.history.empty()) one.history.front().splits.clear();  // they came before
-  one.records = estimation::records_of(one.history, estimation::size_bounds(one.spheres));
-  one.trained = !is_held_out(one, options.held_out);
-  return one;
-}
-
-bool broke(const ResolvedCase& one) {
-  return std::any_of(one.records.begin(), one.records.end(),
-                     [](const estimation::SizeRecord& record) { return record.all_splits() > 0; });
-}
-
-/// The settings that are positive numbers, and of which the trained cases in which anything broke have several.
-std::vector<std::size_t> conditions(const Campaign& campaign, const std::vector<ResolvedCase>& cases) {
-  std::vector<std::size_t> known;
-  for (std::size_t k = 0; k < campaign.sweep.settings.size(); ++k) {
-    if (is_seed(campaign.sweep.settings[k].pointer)) continue;
-    std::set<double> values;
-    bool numbers = true;
-    for (const ResolvedCase& one : cases) {
-      const auto value = leading_number(one.values[k]);
-      numbers = numbers && value && *value > 0.0;
-      if (value && one.trained && broke(one)) values.insert(*value);
-    }
-    if (numbers && values.size() > 1) known.push_back(k);
-  }
-  return known;
-}
-
-std::vector<double> features_of(double size, int spheres, const std::vector<double>& ln_setting) {
-  const double ln = std::log(size / spheres);
+std::vector<double> features_of(double size, const ResolvedCase& one, const std::string& cause, KernelOptions::By by) {
+  const double ln = std::log(size / one.spheres);
   std::vector<double> features{1.0, ln, ln * ln};
-  features.insert(features.end(), ln_setting.begin(), ln_setting.end());
+  if (by == KernelOptions::By::impacts)
+    features.push_back(std::log(std::max(kLeastPower, one.impacts.on(cause))));
+  else
+    features.insert(features.end(), one.ln_setting.begin(), one.ln_setting.end());
   return features;
 }
 
@@ -86,25 +39,83 @@ long splits_by(const estimation::SizeRecord& record, const std::set<std::string>
   return n;
 }
 
-Result<estimation::SelectionLaw> law_of(const std::vector<ResolvedCase>& cases, const std::set<std::string>& causes) {
+/// What breaks together: causes by name, those with too few splits as "others".
+using CauseGroups = std::map<std::string, std::set<std::string>>;
+
+/// records: of each case.
+Result<estimation::SelectionLaw> law_of(const std::vector<ResolvedCase>& cases, const std::vector<Records>& records,
+                                        const CauseGroups::value_type& group, KernelOptions::By by) {
   std::vector<estimation::CountedEvents> counts;
-  for (const ResolvedCase& one : cases)
-    for (const estimation::SizeRecord& record : one.records)
-      if (one.trained && record.exposure > 0.0)
-        counts.push_back({features_of(record.mean_size, one.spheres, one.ln_setting), record.exposure,
-                          static_cast<double>(splits_by(record, causes))});
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    for (const estimation::SizeRecord& record : records[k])
+      if (cases[k].trained && record.exposure > 0.0)
+        counts.push_back({features_of(record.mean_size, cases[k], group.first, by), record.exposure,
+                          static_cast<double>(splits_by(record, group.second))});
   return estimation::fit_selection_law(counts, kPrior);
 }
 
-/// Causes by name, those with too few splits together as "others".
-std::map<std::string, std::set<std::string>> groups_of(const std::vector<ResolvedCase>& cases,
-                                                       std::map<std::string, long>& splits) {
+std::vector<Records> records_of(const std::vector<ResolvedCase>& cases) {
+  std::vector<Records> all;
+  for (const ResolvedCase& one : cases) all.push_back(one.records);
+  return all;
+}
+
+/// Of as many agglomerates of each case as it has, drawn with replacement: pieces of one agglomerate break together,
+/// agglomerates for themselves.
+std::vector<Records> redrawn(const std::vector<ResolvedCase>& cases, std::mt19937_64& dice) {
+  std::vector<Records> all;
+  for (const ResolvedCase& one : cases) {
+    const std::size_t n = one.agglomerates.size();
+    std::vector<long> times(n, 0);
+    for (std::size_t draw = 0; draw < n; ++draw) ++times[dice() % n];
+    const auto bounds = estimation::size_bounds(one.spheres);
+    std::vector<estimation::SizeSums> sums(bounds.size() - 1);
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t c = 0; c < sums.size() && times[a] > 0; ++c) sums[c].add(one.agglomerates[a][c], times[a]);
+    all.push_back(estimation::records_of(sums, bounds));
+  }
+  return all;
+}
+
+/// Coefficients of each cause's law, fitted again and again to agglomerates drawn anew. A draw in which a cause has no
+/// split at all counts nowhere. Nothing where the agglomerates are not told apart.
+void bootstrap(const std::vector<ResolvedCase>& cases, const CauseGroups& groups, BreakageKernel& kernel) {
+  if (std::any_of(cases.begin(), cases.end(),
+                  [](const ResolvedCase& one) { return one.trained && one.agglomerates.empty(); }))
+    return;
+  std::mt19937_64 dice(1);
+  for (int replica = 0; replica < kReplicas; ++replica) {
+    const auto records = redrawn(cases, dice);
+    std::vector<std::vector<double>> coefficients;
+    for (const auto& group : groups)
+      if (const auto law = law_of(cases, records, group, kernel.by)) coefficients.push_back(law->coefficient);
+    if (coefficients.size() != groups.size()) continue;
+    for (std::size_t g = 0; g < groups.size(); ++g) kernel.causes[g].replicas.push_back(std::move(coefficients[g]));
+  }
+}
+
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+/// The middle 95 %.
+std::pair<double, double> interval_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
+  };
+  return {at(0.025), at(0.975)};
+}
+
+CauseGroups groups_of(const std::vector<ResolvedCase>& cases, std::map<std::string, long>& splits) {
   std::map<std::string, long> all;
   for (const ResolvedCase& one : cases)
     for (const estimation::SizeRecord& record : one.records)
       for (const auto& [cause, n] : record.splits)
         if (one.trained) all[cause] += n;
-  std::map<std::string, std::set<std::string>> groups;
+  CauseGroups groups;
   for (const auto& [cause, n] : all) {
     const std::string group = n >= kEnoughForALaw ? cause : "others";
     groups[group].insert(cause);
@@ -119,18 +130,32 @@ json::Value rate_json(const estimation::Rate& rate) {
 
 }  // namespace
 
-estimation::Rate BreakageKernel::rate(double size, const std::vector<double>& ln_setting) const {
-  // The causes' errors are independent: their variances add.
+std::pair<double, double> BreakageKernel::CauseLaw::interval(std::size_t j) const {
+  const double c = law.coefficient[j], error = 1.959963984540054 * std::sqrt(law.covariance[j][j]);
+  if (replicas.empty()) return {c - error, c + error};
+  std::vector<double> drawn;
+  for (const auto& coefficients : replicas) drawn.push_back(coefficients[j]);
+  return interval_of(std::move(drawn));
+}
+
+estimation::Rate BreakageKernel::rate(double size, const ResolvedCase& one) const {
   estimation::Rate sum;
   double below = 0.0, above = 0.0;
-  for (const CauseLaw& one : causes) {
-    const auto part = one.law.at(features_of(size, spheres, ln_setting));
+  std::vector<double> drawn(causes.empty() ? 0 : causes.front().replicas.size(), 0.0);
+  for (const CauseLaw& cause : causes) {
+    const auto features = features_of(size, one, cause.cause, by);
+    const auto part = cause.law.at(features);
     sum.value += part.value;
     below += std::pow(part.value - part.low, 2);
     above += std::pow(part.high - part.value, 2);
+    for (std::size_t r = 0; r < drawn.size(); ++r) drawn[r] += std::exp(product(cause.replicas[r], features));
   }
-  sum.low = std::max(0.0, sum.value - std::sqrt(below));
-  sum.high = sum.value + std::sqrt(above);
+  if (drawn.empty()) {  // as if the causes' errors were independent: their variances add
+    sum.low = std::max(0.0, sum.value - std::sqrt(below));
+    sum.high = sum.value + std::sqrt(above);
+  } else {
+    std::tie(sum.low, sum.high) = interval_of(std::move(drawn));
+  }
   return sum;
 }
 
@@ -142,7 +167,7 @@ pbm::BreakageTable BreakageKernel::table(const ResolvedCase& one) const {
     if (!daughters[c].empty()) nearest = c;
     const double size = std::sqrt(static_cast<double>(bounds[c]) * (bounds[c + 1] - 1));
     table.solid.push_back(size * one.sphere_volume);
-    table.rate.push_back(rate(size, one.ln_setting).value);
+    table.rate.push_back(rate(size, one).value);
     table.daughters.emplace_back();
     for (const estimation::MeanDaughter& daughter : daughters[nearest])
       table.daughters.back().push_back({daughter.share, daughter.number});
@@ -150,40 +175,21 @@ pbm::BreakageTable BreakageKernel::table(const ResolvedCase& one) const {
   return table;
 }
 
-Result<std::vector<ResolvedCase>> resolved_cases(const Campaign& campaign, const fs::path& dir,
-                                                 const KernelOptions& options, std::vector<std::string>& settings) {
-  if (campaign.kind != campaign::Kind::sweep || campaign.sweep.solver != Sweep::Solver::dem)
-    return Error{dir.string() + ": this is no sweep of a DEM with agglomerates."};
-  std::vector<ResolvedCase> cases;
-  for (const SweepCase& from : campaign.sweep.cases) {
-    GRANARY_TRY(ResolvedCase one, read_resolved(from, dir / folder_of(from), options));
-    if (one.history.size() > 1) cases.push_back(std::move(one));
-  }
-  if (cases.empty()) return Error{dir.string() + ": no case has fragments yet. Run it: granary resume " + dir.string()};
-  for (const ResolvedCase& one : cases)
-    if (one.spheres != cases.front().spheres)
-      return Error{
-          fmt::format("{}: case {} has agglomerates of {} spheres, case {} of {}: one kernel cannot be both's.",
-                      dir.string(), cases.front().name, cases.front().spheres, one.name, one.spheres)};
-  settings.clear();
-  for (const std::size_t k : conditions(campaign, cases)) {
-    settings.push_back(campaign.sweep.settings[k].name);
-    for (ResolvedCase& one : cases) one.ln_setting.push_back(std::log(*leading_number(one.values[k])));
-  }
-  return cases;
-}
-
-Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const std::vector<std::string>& settings) {
+Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const std::vector<std::string>& settings,
+                                  KernelOptions::By by) {
   BreakageKernel kernel;
-  kernel.settings = settings;
+  kernel.by = by;
+  if (by == KernelOptions::By::settings) kernel.settings = settings;
   kernel.spheres = cases.front().spheres;
   kernel.bounds = estimation::size_bounds(kernel.spheres);
   std::map<std::string, long> splits;
-  for (const auto& [group, causes] : groups_of(cases, splits)) {
-    GRANARY_TRY(auto law, law_of(cases, causes));
-    kernel.causes.push_back({group, splits[group], std::move(law)});
+  const CauseGroups groups = groups_of(cases, splits);
+  for (const auto& group : groups) {
+    GRANARY_TRY(auto law, law_of(cases, records_of(cases), group, by));
+    kernel.causes.push_back({group.first, splits[group.first], std::move(law), {}});
   }
   if (kernel.causes.empty()) return Error{"nothing broke in the cases that were to be fitted."};
+  bootstrap(cases, groups, kernel);
   std::vector<estimation::Split> all;
   for (const ResolvedCase& one : cases)
     for (const estimation::FragmentSample& sample : one.history)
@@ -197,23 +203,34 @@ Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const 
   return kernel;
 }
 
-json::Value to_json(const BreakageKernel& kernel) {
-  json::Value causes = json::Value::array();
-  for (const BreakageKernel::CauseLaw& one : kernel.causes) {
-    std::vector<double> error;
-    for (std::size_t j = 0; j < one.law.coefficient.size(); ++j) error.push_back(std::sqrt(one.law.covariance[j][j]));
-    causes.push(json::Value::object({{"cause", one.cause},
-                                     {"splits", static_cast<std::int64_t>(one.splits)},
-                                     {"coefficients", one.law.coefficient},
-                                     {"standard_errors", error},
-                                     {"dispersion", one.law.dispersion}}));
-  }
+std::vector<std::string> features_of(const BreakageKernel& kernel) {
   std::vector<std::string> features{"1", fmt::format("ln(spheres/{})", kernel.spheres),
                                     fmt::format("ln^2(spheres/{})", kernel.spheres)};
   for (const std::string& setting : kernel.settings) features.push_back("ln(" + setting + ")");
+  if (kernel.by == KernelOptions::By::impacts) features.push_back("ln(impact power/W)");
+  return features;
+}
+
+json::Value to_json(const BreakageKernel& kernel) {
+  json::Value causes = json::Value::array();
+  for (const BreakageKernel::CauseLaw& one : kernel.causes) {
+    json::Value intervals = json::Value::array();
+    for (std::size_t j = 0; j < one.law.coefficient.size(); ++j) {
+      const auto [low, high] = one.interval(j);
+      intervals.push(json::Array{low, high});
+    }
+    causes.push(json::Value::object({{"cause", one.cause},
+                                     {"splits", static_cast<std::int64_t>(one.splits)},
+                                     {"coefficients", one.law.coefficient},
+                                     {"intervals_95", std::move(intervals)},
+                                     {"replicas", one.replicas.size()},
+                                     {"dispersion", one.law.dispersion}}));
+  }
+  const bool drawn = !kernel.causes.empty() && !kernel.causes.front().replicas.empty();
   return json::Value::object({{"format", "granary-breakage-law-1"},
-                              {"features", features},
+                              {"features", features_of(kernel)},
                               {"spheres", kernel.spheres},
+                              {"intervals", drawn ? "bootstrap over agglomerates" : "likelihood"},
                               {"causes", std::move(causes)}});
 }
 
@@ -226,7 +243,7 @@ json::Value kernel_file(const BreakageKernel& kernel, const ResolvedCase& one) {
          {"exposure_s", record.exposure},
          {"splits", static_cast<std::int64_t>(record.all_splits())},
          {"measured_rate_1_s", rate_json(estimation::rate_of(record.all_splits(), record.exposure))},
-         {"rate_1_s", rate_json(kernel.rate(std::sqrt(static_cast<double>(record.from) * record.to), one.ln_setting))},
+         {"rate_1_s", rate_json(kernel.rate(std::sqrt(static_cast<double>(record.from) * record.to), one))},
          {"daughters_of_splits", static_cast<std::int64_t>(kernel.splits[c])}}));
   }
   return json::Value::object({{"format", "granary-breakage-kernel-1"},

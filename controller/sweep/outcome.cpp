@@ -8,6 +8,7 @@
 
 #include "common/json/io.hpp"
 #include "common/version.hpp"
+#include "controller/campaign/data_file.hpp"
 #include "controller/sweep/cases.hpp"
 
 namespace granary::sweep {
@@ -84,6 +85,16 @@ double mean_of(const Curve& curve) {
   return sum / static_cast<double>(curve.value.size());
 }
 
+/// "broken_by_chopper" of all that broke: "share_by_chopper".
+void add_shares(CaseResult& one) {
+  const std::string by = "broken_by_";
+  const double all = figure_of(one, "broken");
+  const std::size_t n = one.figures.size();
+  for (std::size_t k = 0; k < n; ++k)
+    if (const Figure figure = one.figures[k]; figure.name.starts_with(by) && all > 0.0)
+      one.figures.push_back({"share_by_" + figure.name.substr(by.size()), figure.value / all});
+}
+
 Status read_dem(const fs::path& folder, CaseResult& one) {
   GRANARY_TRY(const auto samples, lines_of(folder / "fragments.jsonl"));
   GRANARY_TRY(const auto breaks, lines_of(folder / "breaks.jsonl"));
@@ -93,6 +104,7 @@ Status read_dem(const fs::path& folder, CaseResult& one) {
     for (Curve& curve : breaks_by_cause(breaks, one.curves.front().time)) one.curves.push_back(std::move(curve));
   for (const Curve& curve : one.curves)
     if (!curve.value.empty()) one.figures.push_back({curve.name, curve.value.back()});
+  add_shares(one);
   if (!samples.empty()) one.figures.insert(one.figures.begin(), {"time_s", samples.back().number_or("time_s", 0.0)});
   for (Curve& curve : tally_curves(tallies)) {
     one.figures.push_back({"mean_" + curve.name, mean_of(curve)});
@@ -121,6 +133,52 @@ void add_cost(const pilot::Pilot& pilot, const SweepCase& from, CaseResult& one)
     one.wall = end->end - end->start;
     one.cpu = end->cpu_s;
   }
+}
+
+/// "300 rpm" -> 300, "rpm".
+std::optional<std::pair<double, std::string>> number_and_unit(const std::string& text) {
+  const auto number = leading_number(text);
+  if (!number) return std::nullopt;
+  const auto at = text.find_first_of(" \t");
+  const auto unit = at == std::string::npos ? at : text.find_first_not_of(" \t", at);
+  return std::pair{*number, unit == std::string::npos ? std::string("1") : text.substr(unit)};
+}
+
+/// The rows of the reference in which this setting has this value.
+Result<std::vector<bool>> rows_with(const campaign::CsvFile& csv, const std::string& setting, const std::string& value,
+                                    const fs::path& file) {
+  const auto wanted = number_and_unit(value);
+  if (!wanted)
+    return Error{fmt::format("{}: the sweep's setting {} is '{}', no number: a reference cannot be told by it.",
+                             file.string(), setting, value)};
+  GRANARY_TRY(const auto column, csv.column(setting, wanted->second));
+  std::vector<bool> same;
+  for (const double x : column.values) same.push_back(std::abs(x - wanted->first) <= 1e-9 * std::abs(wanted->first));
+  return same;
+}
+
+Result<std::vector<Reference>> read_reference(const fs::path& file, const SweepResults& results) {
+  GRANARY_TRY(const auto csv, campaign::CsvFile::read(file));
+  const auto conditions = conditions_of(results);
+  std::vector<Reference> all;
+  for (const Repeats& repeats : repeats_of(results)) {
+    std::vector<bool> rows;
+    for (std::size_t k = 0; k < conditions.size(); ++k) {
+      GRANARY_TRY(const auto same, rows_with(csv, conditions[k], repeats.values[k], file));
+      rows.resize(same.size(), true);
+      for (std::size_t i = 0; i < same.size(); ++i) rows[i] = rows[i] && same[i];
+    }
+    const auto at = static_cast<std::size_t>(std::find(rows.begin(), rows.end(), true) - rows.begin());
+    if (at == rows.size()) continue;
+    Reference one{repeats.values, {}};
+    for (const std::string& name : figure_names(results)) {
+      if (!csv.has(name)) continue;
+      GRANARY_TRY(const auto column, csv.column(name, unit_of(name)));
+      if (std::isfinite(column.values[at])) one.figures.push_back({name, column.values[at]});
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
 }
 
 }  // namespace
@@ -167,7 +225,10 @@ Result<SweepResults> collect(const campaign::Campaign& campaign, const fs::path&
   results.description = campaign.description;
   results.solver = campaign.sweep.solver == Sweep::Solver::dem ? "dem" : "pbm";
   results.version = fmt::format("{} ({})", version(), revision());
-  for (const Sweep::Setting& setting : campaign.sweep.settings) results.settings.push_back(setting.name);
+  for (const Sweep::Setting& setting : campaign.sweep.settings) {
+    if (setting.pointer == campaign::kSeedSetting) results.seed = results.settings.size();
+    results.settings.push_back(setting.name);
+  }
   for (const SweepCase& from : campaign.sweep.cases) {
     CaseResult one;
     one.name = from.name;
@@ -176,6 +237,9 @@ Result<SweepResults> collect(const campaign::Campaign& campaign, const fs::path&
     const fs::path folder = dir / folder_of(from);
     GRANARY_CHECK(campaign.sweep.solver == Sweep::Solver::dem ? read_dem(folder, one) : read_pbm(folder, one));
     results.cases.push_back(std::move(one));
+  }
+  if (campaign.sweep.reference) {
+    GRANARY_TRY(results.reference, read_reference(*campaign.sweep.reference, results));
   }
   return results;
 }

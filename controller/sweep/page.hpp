@@ -17,7 +17,8 @@ Result<std::string> page(const SweepResults& results, report::Plotter& plotter);
 Status write_figures(const SweepResults& results, report::Plotter& plotter, const std::filesystem::path& folder,
                      const std::string& prefix);
 
-/// sweep.json, sweep.csv, results.h5 and, if asked for, report.html (with gnuplot). Errors: a full disk; no gnuplot.
+/// sweep.json, sweep.csv, sweep_means.csv (where cases are repeated), results.h5 and, if asked for, report.html (with
+/// gnuplot). Errors: a full disk; no gnuplot.
 Status write_results(const SweepResults& results, const std::filesystem::path& dir, bool with_page);
 
 }  // namespace granary::sweep

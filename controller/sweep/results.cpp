@@ -23,18 +23,6 @@ std::string csv_cell(const std::string& text) {
 
 std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-/// "d50_m" -> "m"; "" where the name has no unit of ours.
-std::string unit_of(const std::string& name) {
-  const auto bar = name.find('[');
-  const std::string plain = name.substr(0, bar);
-  for (const char* unit : {"1_s", "kg_s", "m3", "m", "s", "J", "W", "Pa", "kg"})
-    if (plain.ends_with(std::string("_") + unit)) {
-      const std::string text = unit;
-      return text == "1_s" ? "1/s" : text == "kg_s" ? "kg/s" : text == "m3" ? "m^3" : text;
-    }
-  return "1";
-}
-
 Status write_table(const SweepResults& results, Hdf5File& file) {
   std::vector<std::string> names, states;
   for (const CaseResult& one : results.cases) names.push_back(one.name), states.push_back(one.state);
@@ -73,8 +61,19 @@ Status write_curves(const CaseResult& one, Hdf5File& file) {
 
 }  // namespace
 
-double figure_of(const CaseResult& one, const std::string& name) {
-  for (const Figure& figure : one.figures)
+std::string unit_of(const std::string& name) {
+  const auto bar = name.find('[');
+  const std::string plain = name.substr(0, bar);
+  for (const char* unit : {"1_s", "kg_s", "m3", "m", "s", "J", "W", "Pa", "kg"})
+    if (plain.ends_with(std::string("_") + unit)) {
+      const std::string text = unit;
+      return text == "1_s" ? "1/s" : text == "kg_s" ? "kg/s" : text == "m3" ? "m^3" : text;
+    }
+  return "1";
+}
+
+double figure_of(const std::vector<Figure>& figures, const std::string& name) {
+  for (const Figure& figure : figures)
     if (figure.name == name) return figure.value;
   return std::numeric_limits<double>::quiet_NaN();
 }
@@ -104,6 +103,47 @@ std::optional<double> leading_number(const std::string& text) {
   return value;
 }
 
+std::vector<std::string> conditions_of(const SweepResults& results) {
+  std::vector<std::string> names = results.settings;
+  if (results.seed) names.erase(names.begin() + static_cast<std::ptrdiff_t>(*results.seed));
+  return names;
+}
+
+std::vector<Repeats> repeats_of(const SweepResults& results) {
+  std::vector<Repeats> all;
+  for (const CaseResult& one : results.cases) {
+    if (one.figures.empty()) continue;
+    std::vector<std::string> values = one.values;
+    if (results.seed) values.erase(values.begin() + static_cast<std::ptrdiff_t>(*results.seed));
+    auto same = results.seed
+                    ? std::find_if(all.begin(), all.end(), [&](const Repeats& r) { return r.values == values; })
+                    : all.end();
+    if (same == all.end()) same = all.insert(all.end(), {std::move(values), {}});
+    same->cases.push_back(&one);
+  }
+  return all;
+}
+
+Spread spread_of(const std::vector<double>& values) {
+  Spread spread;
+  double sum = 0.0, squares = 0.0;
+  for (const double value : values)
+    if (std::isfinite(value)) sum += value, ++spread.n;
+  if (spread.n == 0) return spread;
+  const auto n = static_cast<double>(spread.n);
+  spread.mean = sum / n;
+  for (const double value : values)
+    if (std::isfinite(value)) squares += (value - spread.mean) * (value - spread.mean);
+  if (spread.n > 1) spread.scatter = std::sqrt(squares / (n - 1.0));
+  return spread;
+}
+
+Spread spread_of(const Repeats& repeats, const std::string& figure) {
+  std::vector<double> values;
+  for (const CaseResult* one : repeats.cases) values.push_back(figure_of(*one, figure));
+  return spread_of(values);
+}
+
 json::Value to_json(const SweepResults& results) {
   json::Value cases = json::Value::array();
   for (const CaseResult& one : results.cases) {
@@ -117,12 +157,37 @@ json::Value to_json(const SweepResults& results) {
                                     {"cpu_s", one.cpu},
                                     {"figures", std::move(figures)}}));
   }
-  return json::Value::object({{"format", "granary-sweep-1"},
-                              {"name", results.name},
-                              {"solver", results.solver},
-                              {"version", results.version},
-                              {"settings", results.settings},
-                              {"cases", std::move(cases)}});
+  json::Value means = json::Value::array();
+  for (const Repeats& repeats : repeats_of(results)) {
+    json::Value settings = json::Value::object(), figures = json::Value::object();
+    const auto names = conditions_of(results);
+    for (std::size_t k = 0; k < names.size(); ++k) settings.set(names[k], repeats.values[k]);
+    for (const std::string& name : figure_names(results)) {
+      const Spread spread = spread_of(repeats, name);
+      figures.set(name, json::Value::object({{"mean", spread.mean},
+                                             {"scatter", spread.scatter},
+                                             {"cases", static_cast<std::int64_t>(spread.n)}}));
+    }
+    means.push(json::Value::object({{"settings", std::move(settings)}, {"figures", std::move(figures)}}));
+  }
+  json::Value all = json::Value::object({{"format", "granary-sweep-1"},
+                                         {"name", results.name},
+                                         {"solver", results.solver},
+                                         {"version", results.version},
+                                         {"settings", results.settings},
+                                         {"cases", std::move(cases)}});
+  if (results.seed) all.set("means", std::move(means));
+  if (results.reference.empty()) return all;
+  json::Value reference = json::Value::array();
+  for (const Reference& one : results.reference) {
+    json::Value settings = json::Value::object(), figures = json::Value::object();
+    const auto names = conditions_of(results);
+    for (std::size_t k = 0; k < names.size(); ++k) settings.set(names[k], one.values[k]);
+    for (const Figure& figure : one.figures) figures.set(figure.name, figure.value);
+    reference.push(json::Value::object({{"settings", std::move(settings)}, {"figures", std::move(figures)}}));
+  }
+  all.set("reference", std::move(reference));
+  return all;
 }
 
 std::string to_csv(const SweepResults& results) {
@@ -137,6 +202,25 @@ std::string to_csv(const SweepResults& results) {
     for (const std::string& value : one.values) text += "," + csv_cell(value);
     text += fmt::format(",{},{},{}", one.state, csv_number(one.wall), csv_number(one.cpu));
     for (const std::string& name : names) text += "," + csv_number(figure_of(one, name));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string means_csv(const SweepResults& results) {
+  const auto names = figure_names(results);
+  std::string text;
+  for (const std::string& setting : conditions_of(results)) text += csv_cell(setting) + ",";
+  text += "cases";
+  for (const std::string& name : names) text += fmt::format(",{0},{0}_scatter", csv_cell(name));
+  text += "\n";
+  for (const Repeats& repeats : repeats_of(results)) {
+    for (const std::string& value : repeats.values) text += csv_cell(value) + ",";
+    text += std::to_string(repeats.cases.size());
+    for (const std::string& name : names) {
+      const Spread spread = spread_of(repeats, name);
+      text += fmt::format(",{},{}", csv_number(spread.mean), csv_number(spread.scatter));
+    }
     text += "\n";
   }
   return text;

@@ -36,19 +36,49 @@ struct CaseResult {
   std::vector<Curve> curves;
 };
 
+/// What others got at the same settings.
+struct Reference {
+  std::vector<std::string> values;  ///< of the settings but the seed, as in the cases
+  std::vector<Figure> figures;
+};
+
 struct SweepResults {
   std::string name, description, solver;
   std::string host, version;
   std::vector<std::string> settings;  ///< names of the swept settings, shape (S)
+  std::optional<std::size_t> seed;    ///< which of them only repeats a case
   std::vector<CaseResult> cases;
+  std::vector<Reference> reference;  ///< of some of the settings; empty: there is none
 };
 
-/// NaN if the case has no such figure.
-double figure_of(const CaseResult& one, const std::string& name);
+/// Cases that differ only in their seed, or one that was not repeated.
+struct Repeats {
+  std::vector<std::string> values;  ///< of the settings but the seed
+  std::vector<const CaseResult*> cases;
+};
+/// Of the cases that have any figure, in their order. The results must outlive it.
+std::vector<Repeats> repeats_of(const SweepResults& results);
+/// Names of the settings but the seed.
+std::vector<std::string> conditions_of(const SweepResults& results);
+
+/// Over repeats. scatter is the standard deviation with n - 1, NaN of less than two.
+struct Spread {
+  long n = 0;  ///< that have the figure
+  double mean = std::numeric_limits<double>::quiet_NaN(), scatter = std::numeric_limits<double>::quiet_NaN();
+};
+Spread spread_of(const Repeats& repeats, const std::string& figure);
+Spread spread_of(const std::vector<double>& values);
+
+/// NaN if there is no such figure.
+double figure_of(const std::vector<Figure>& figures, const std::string& name);
+inline double figure_of(const CaseResult& one, const std::string& name) { return figure_of(one.figures, name); }
 /// nullptr if the case has no such curve.
 const Curve* curve_of(const CaseResult& one, const std::string& name);
 /// Names of the figures that any case has, in the order they first come.
 std::vector<std::string> figure_names(const SweepResults& results);
+
+/// "d50_m" -> "m"; "1" where the name has no unit of ours.
+std::string unit_of(const std::string& name);
 
 /// A value of a setting as the table shows it: a text without its quotes; "" of null.
 std::string text_of(const json::Value& value);
@@ -58,6 +88,8 @@ std::optional<double> leading_number(const std::string& text);
 json::Value to_json(const SweepResults& results);
 /// One line a case: settings, state, wall_s, cpu_s, figures.
 std::string to_csv(const SweepResults& results);
+/// One line for cases that differ only in their seed: settings, how many, then mean and scatter of each figure.
+std::string means_csv(const SweepResults& results);
 /// results.h5, beside it first and then renamed over it.
 Status write_h5(const SweepResults& results, const std::filesystem::path& file);
 

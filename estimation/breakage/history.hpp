@@ -17,6 +17,7 @@ struct Split {
   int parent = 0;
   std::vector<int> daughters;  ///< they add up to the parent
   std::string cause;           ///< "impeller", "chopper", "particles", ...
+  int agglomerate = 0;         ///< it was part of; 0: not told
 };
 
 struct FragmentSample {
@@ -42,6 +43,22 @@ struct SizeRecord {
 /// exposure of those that were split in between is that of a constant rate r that splits a share p within dt:
 /// r = -ln(1 - p) / dt, so that splits / exposure is r itself and not only to first order in r dt.
 std::vector<SizeRecord> records_of(const FragmentHistory& history, const std::vector<int>& bounds);
+
+/// The history of each agglomerate by itself, at the same times: what scatters independently. Empty if the splits do
+/// not say of which agglomerate they are, or if it does not begin with `whole` alone.
+std::vector<FragmentHistory> by_agglomerate(const FragmentHistory& history, int whole);
+
+/// Sums over fragments and intervals that records are made of: those of several histories add up.
+struct SizeSums {
+  double time = 0.0;       ///< fragments times time, as if none were split [s]
+  double size_time = 0.0;  ///< the same times size
+  double began = 0.0;      ///< fragments that were there at the start of an interval
+  std::map<std::string, long> splits;
+  void add(const SizeSums& other, long times);
+};
+/// shape (classes)
+std::vector<SizeSums> sums_of(const FragmentHistory& history, const std::vector<int>& bounds);
+std::vector<SizeRecord> records_of(const std::vector<SizeSums>& sums, const std::vector<int>& bounds);
 
 /// Classes of sizes that grow by about a fifth: {2, 3, 4, 5, 6, 8, 10, ..., largest, largest + 1}; the last class is
 /// the whole agglomerates alone.

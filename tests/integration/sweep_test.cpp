@@ -4,9 +4,11 @@
 #include <signal.h>
 
 #include <map>
+#include <set>
 #include <thread>
 
 #include "common/files.hpp"
+#include "common/json/io.hpp"
 #include "pilot/journal/journal.hpp"
 #include "tests/support/background.hpp"
 #include "tests/support/granary_program.hpp"
@@ -60,31 +62,50 @@ TEST(SweepOfABalance, DryRunsByTheCostModel) {
 }
 
 std::vector<std::string> small_dem_sweep(const fs::path& dir) {
-  return {(kPrograms / "granary").string(),
-          "run",
-          (kSource / "workflows/breakage_study.json").string(),
-          "--dir",
-          dir.string(),
-          "--json",
-          "--quiet",
-          "--set",
-          "/agglomerates/count=4",
-          "--set",
-          "/process/duration=0.06 s",
-          "--set",
-          "/agglomerates/bonds/tensile_strength=2e3 Pa",
-          "--set",
-          "/sweep/grid/0/values=[\"300 rpm\"]",
-          "--set",
-          "/sweep/grid/1/values=[\"1000 rpm\", \"3000 rpm\"]"};
+  std::vector<std::string> words{(kPrograms / "granary").string(),
+                                 "run",
+                                 (kSource / "workflows/breakage_study.json").string(),
+                                 "--dir",
+                                 dir.string(),
+                                 "--json",
+                                 "--quiet"};
+  for (const char* set : {"/agglomerates/count=4", "/process/duration=0.06 s",
+                          "/agglomerates/bonds/tensile_strength=2e3 Pa", "/dem/tally_window=0.01 s", "/dem/skin=0.5 mm",
+                          "/sweep/grid/0/values=[\"300 rpm\"]", "/sweep/grid/1/values=[\"1000 rpm\", \"3000 rpm\"]"})
+    words.insert(words.end(), {"--set", set});
+  return words;
 }
 
-TEST(SweepOfADem, LosesNoFinishedCaseWhenItIsKilledAndStartsTheOtherAnew) {
+std::vector<json::Value> lines_of(const fs::path& file) {
+  auto lines = json::read_lines(file);
+  EXPECT_TRUE(lines.has_value()) << file;
+  return lines.value_or(std::vector<json::Value>{});
+}
+
+/// Each sample later than the one before, each bond broken once, and as many as the last sample counts.
+void expect_whole_history(const fs::path& folder) {
+  const auto samples = lines_of(folder / "fragments.jsonl"), breaks = lines_of(folder / "breaks.jsonl");
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    EXPECT_GT(samples[k]["step"].as_integer(), samples[k - 1]["step"].as_integer());
+  std::set<std::string> bonds;
+  for (const json::Value& one : breaks) EXPECT_TRUE(bonds.insert(json::dump(one["tags"])).second);
+  EXPECT_EQ(samples.back()["broken"].as_integer(), static_cast<std::int64_t>(breaks.size()));
+  double tallied = 0.0;
+  for (const json::Value& window : lines_of(folder / "tallies.jsonl")) tallied += window.number_or("window_s", 0.0);
+  const double header = lines_of(folder / "tallies.jsonl").front().number_or("window_s", 0.0);
+  EXPECT_NEAR(tallied - header, samples.back().number_or("time_s", 0.0), 1e-9);
+}
+
+TEST(SweepOfADem, KilledInTheMiddleItGoesOnToTheSameFragments) {
   const Scratch scratch;
   const fs::path dir = scratch / "run";
   {
+    Background uncut(small_dem_sweep(scratch / "uncut"));
+    EXPECT_EQ(0, uncut.exit_code());
+  }
+  {
     Background run(small_dem_sweep(dir));
-    ASSERT_TRUE(wait_for(dir / "cases/0002/fragments.jsonl", 120.0));
+    ASSERT_TRUE(wait_for(dir / "cases/0002/restart.liggghts", 120.0));
     run.signal(SIGKILL);
     run.exit_code();
   }
@@ -93,16 +114,28 @@ TEST(SweepOfADem, LosesNoFinishedCaseWhenItIsKilledAndStartsTheOtherAnew) {
   const auto output = granary({"resume", dir.string()});
 
   EXPECT_EQ(0, output.exit_code) << output.err;
-  EXPECT_THAT(output.err, testing::HasSubstr("start anew: 0002"));
-  EXPECT_TRUE(fs::exists(dir / "cases/0002.cut1/fragments.jsonl"));
+  EXPECT_THAT(output.err, testing::HasSubstr("go on from their last state: 0002"));
   EXPECT_EQ(finished_first, read_text(dir / "cases/0001/fragments.jsonl").value());
   EXPECT_EQ(1, starts(dir)["case-0001.out"]);
-  EXPECT_EQ(2, starts(dir)["case-0002.out"]);
+  EXPECT_THAT(read_text(dir / "cases/0002/in.liggghts").value(), testing::HasSubstr("read_restart"));
+  expect_whole_history(dir / "cases/0002");
+  const fs::path cut = dir / "cases/0002", uncut = scratch / "uncut/cases/0002";
+  const auto ours = lines_of(cut / "fragments.jsonl"), theirs = lines_of(uncut / "fragments.jsonl");
+  ASSERT_EQ(ours.size(), theirs.size());
+  EXPECT_GT(ours.back()["broken"].as_integer(), 20);
+  for (std::size_t k = 0; k < ours.size(); ++k)
+    for (const char* key : {"step", "broken", "sizes", "splits"}) EXPECT_TRUE(ours[k][key] == theirs[k][key]) << key;
+  const auto broke = lines_of(cut / "breaks.jsonl"), should = lines_of(uncut / "breaks.jsonl");
+  ASSERT_EQ(broke.size(), should.size());
+  for (std::size_t k = 0; k < broke.size(); ++k) {
+    EXPECT_TRUE(broke[k]["tags"] == should[k]["tags"]);
+    EXPECT_TRUE(broke[k]["cause"] == should[k]["cause"]);
+    EXPECT_NEAR(broke[k].number_or("stress_pa", 0.0), should[k].number_or("stress_pa", 1.0), 1.0);
+  }
   const std::string table = read_text(dir / "sweep.csv").value();
   EXPECT_THAT(table, testing::HasSubstr("0001,300 rpm,1000 rpm,finished"));
   EXPECT_THAT(table, testing::HasSubstr("0002,300 rpm,3000 rpm,finished"));
   EXPECT_THAT(table, testing::HasSubstr("breakage_ratio"));
-  EXPECT_THAT(read_text(dir / "cases/0001/in.liggghts").value(), testing::HasSubstr("granary/bond"));
 
   // Weak bonds and the fall on the bottom: some broke, and a kernel can be made of it.
   const auto kernel = granary_json({"kernel", dir.string(), "--json", "--held-out", "0002"});
@@ -110,6 +143,28 @@ TEST(SweepOfADem, LosesNoFinishedCaseWhenItIsKilledAndStartsTheOtherAnew) {
   EXPECT_GT(kernel["cases"].items()[0].number_or("pbm_d50_m", 0.0), 1e-3);
   EXPECT_FALSE(kernel["cases"].items()[1]["fitted"].as_bool());
   EXPECT_TRUE(fs::exists(dir / "kernel/d50.svg"));
+}
+
+TEST(SweepOfADem, StoppedInTheMiddleItLosesAndDoublesNothing) {
+  const Scratch scratch;
+  const fs::path dir = scratch / "run";
+  {
+    Background run(small_dem_sweep(dir));
+    ASSERT_TRUE(wait_for(dir / "cases/0002/restart.liggghts", 120.0));
+    EXPECT_EQ(0, granary({"stop", dir.string()}).exit_code);
+    run.exit_code();
+  }
+  const auto before = lines_of(dir / "cases/0002/fragments.jsonl");
+
+  const auto output = granary({"resume", dir.string()});
+
+  EXPECT_EQ(0, output.exit_code) << output.err;
+  EXPECT_THAT(output.err, testing::HasSubstr("go on from their last state: 0002"));
+  expect_whole_history(dir / "cases/0002");
+  const auto after = lines_of(dir / "cases/0002/fragments.jsonl");
+  ASSERT_GT(after.size(), before.size());
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_TRUE(before[k] == after[k]);
+  EXPECT_NEAR(after.back().number_or("time_s", 0.0), 0.06, 1e-3);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "common/json/io.hpp"
 #include "common/results/hdf5_file.hpp"
@@ -148,6 +149,42 @@ TEST(SweepResults, StandInHdf5WithTheirUnits) {
   fs::remove(file);
 }
 
+/// Two speeds with three seeds each, the last without figures so far; others got something at the first.
+SweepResults repeated_cases() {
+  SweepResults results;
+  results.name = "study";
+  results.solver = "dem";
+  results.settings = {"seed", "impeller"};
+  results.seed = 0;
+  const std::vector<double> ratio{0.1, 0.2, 0.3, 0.5, 0.7};
+  for (std::size_t i = 0; i < 6; ++i) {
+    CaseResult one{"000" + std::to_string(i + 1), {std::to_string(i % 3), i < 3 ? "50 rpm" : "300 rpm"}, "finished"};
+    if (i < ratio.size()) one.figures = {{"breakage_ratio", ratio[i]}};
+    results.cases.push_back(std::move(one));
+  }
+  results.reference = {{{"50 rpm"}, {{"breakage_ratio", 0.25}}}};
+  return results;
+}
+
+TEST(SweepResults, HaveAMeanAndAScatterOverSeeds) {
+  const SweepResults results = repeated_cases();
+  const auto repeats = repeats_of(results);
+
+  ASSERT_EQ(repeats.size(), 2u);
+  EXPECT_THAT(conditions_of(results), ElementsAre("impeller"));
+  const Spread slow = spread_of(repeats[0], "breakage_ratio"), fast = spread_of(repeats[1], "breakage_ratio");
+  EXPECT_EQ(slow.n, 3);
+  EXPECT_NEAR(slow.mean, 0.2, 1e-15);
+  EXPECT_NEAR(slow.scatter, 0.1, 1e-15);
+  EXPECT_EQ(fast.n, 2);
+  EXPECT_NEAR(fast.scatter, 0.2 / std::sqrt(2.0), 1e-15);
+  EXPECT_TRUE(std::isnan(spread_of({1.0}).scatter));
+  EXPECT_THAT(means_csv(results), HasSubstr("impeller,cases,breakage_ratio,breakage_ratio_scatter\n50 rpm,3,0.2"));
+  const json::Value document = to_json(results);
+  EXPECT_EQ(document["means"].items()[1]["figures"]["breakage_ratio"]["cases"].as_integer(), 2);
+  EXPECT_EQ(document["reference"].items()[0]["figures"].number_or("breakage_ratio", 0.0), 0.25);
+}
+
 struct CountingPlotter : report::Plotter {
   std::vector<report::Plot> drawn;
   Result<std::vector<std::string>> draw(const std::vector<report::Plot>& plots) override {
@@ -168,6 +205,55 @@ TEST(SweepPage, ShowsEveryCaseAndDrawsWhatItHas) {
   EXPECT_THAT(ids, ElementsAre("time-d50-m"));  // over the setting nothing is drawn: its last one is no number
 }
 
+TEST(SweepPage, ShowsMeansWithTheirScatterBesideTheReference) {
+  CountingPlotter plotter;
+  const auto html = page(repeated_cases(), plotter);
+
+  ASSERT_TRUE(html.has_value());
+  EXPECT_THAT(*html, HasSubstr("0.2 ± 0.1"));
+  EXPECT_THAT(*html, HasSubstr("Beside the reference"));
+  EXPECT_THAT(*html, HasSubstr("-0.05"));
+  ASSERT_EQ(plotter.drawn.size(), 1u);
+  EXPECT_EQ(plotter.drawn[0].id, "setting-breakage-ratio");
+  EXPECT_THAT(plotter.drawn[0].script, HasSubstr("dt 2"));  // the reference, dashed
+}
+
+TEST(Sweep, RepeatsEachCaseWithSeedsOfItsOwn) {
+  const Campaign once = read("sweep_dem.json"), thrice = read("sweep_dem.json", {"/sweep/repeats=3"});
+
+  ASSERT_EQ(thrice.sweep.cases.size(), 3 * once.sweep.cases.size());
+  EXPECT_EQ(thrice.sweep.settings.back().pointer, campaign::kSeedSetting);
+  std::set<long> seeds;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const dem::DemCase& one = thrice.sweep.cases[k].understood->dem_case;
+    EXPECT_EQ(one.machine.chopper_speed, once.sweep.cases[0].understood->dem_case.machine.chopper_speed);
+    seeds.insert(one.seed);
+  }
+  EXPECT_EQ(seeds.size(), 3u);
+  EXPECT_EQ(thrice.sweep.cases[0].understood->dem_case.seed, once.sweep.cases[0].understood->dem_case.seed);
+  EXPECT_EQ(thrice.sweep.cases[3].understood->dem_case.seed, thrice.sweep.cases[0].understood->dem_case.seed);
+  EXPECT_THAT(problems({"/sweep/repeats=2"}), HasSubstr("a population balance comes out the same each time"));
+  const auto twice = campaign::read_campaign(
+      kComplete / "sweep_dem.json",
+      {"/sweep/repeats=2", R"(/sweep/grid=[{"setting": "/dem/seed", "values": [10007, 10009]}])"});
+  ASSERT_FALSE(twice.has_value());
+  EXPECT_THAT(twice.error().message, HasSubstr("/dem/seed is swept already"));
+}
+
+TEST(BreakageKernelOfASweep, GoesByWhatHitsWhenAsked) {
+  const auto tallies = {line(R"({"speed_edges_m_s": [1, 2, 4], "window_s": 0.5})"),
+                        line(R"({"window_s": 0.5, "particles": [[10]], "collision_speed": {"histogram": [3, 1]},
+               "loads": {"impeller": {"power_W": 2.0}, "chopper": {"power_W": 0.5}}})")};
+
+  const Impacts impacts = impacts_of(tallies, 2.0);
+
+  EXPECT_DOUBLE_EQ(impacts.on("impeller"), 0.2);
+  EXPECT_DOUBLE_EQ(impacts.on("shell"), 0.25);  // stands still: what the bodies that turn bring
+  // m v^2 / 4 of 3 at sqrt(2) m/s and 1 at sqrt(8) m/s, of 10 spheres in 0.5 s
+  EXPECT_DOUBLE_EQ(impacts.on("particles"), 0.25 * 2.0 * (3 * 2.0 + 8.0) / 10.0 / 0.5);
+  EXPECT_EQ(impacts_of({}, 1.0).on("chopper"), 0.0);
+}
+
 TEST(BreakageKernelOfASweep, HasTheRatesAndDaughtersThatItsCasesHad) {
   // Two speeds; every 0.1 s of ten agglomerates of 8 spheres one, or two, are cut in halves.
   std::vector<ResolvedCase> cases(2);
@@ -183,18 +269,32 @@ TEST(BreakageKernelOfASweep, HasTheRatesAndDaughtersThatItsCasesHad) {
       const long split = k == 0 ? 10 : 20;
       whole -= split, halves += 2 * split;
       estimation::FragmentSample sample{0.1 * i, {{4, halves}, {8, whole}}, {}};
-      for (long n = 0; n < split; ++n) sample.splits.push_back({8, {4, 4}, "chopper"});
+      for (long n = 0; n < split; ++n)
+        sample.splits.push_back({8, {4, 4}, "chopper", static_cast<int>((i - 1) * split + n + 1)});
       one.history.push_back(std::move(sample));
     }
     one.records = estimation::records_of(one.history, estimation::size_bounds(8));
   }
 
+  // Of each agglomerate by itself: the first so many are cut in the first interval, and so on.
+  for (ResolvedCase& one : cases)
+    for (const auto& apart : estimation::by_agglomerate(one.history, 8))
+      one.agglomerates.push_back(estimation::sums_of(apart, estimation::size_bounds(8)));
   const auto kernel = fit_kernel(cases, {"speed"});
 
   ASSERT_TRUE(kernel) << kernel.error().message;
   const auto slow = kernel->table(cases[0]), fast = kernel->table(cases[1]);
   EXPECT_NEAR(slow.rate.back(), 0.1, 0.01);  // 10 of 1000 in 0.1 s
   EXPECT_NEAR(fast.rate.back() / slow.rate.back(), 2.0, 0.1);
+  const auto [low, high] = kernel->causes[0].interval(3);  // of the speed's exponent, which is 1
+  EXPECT_GT(kernel->causes[0].replicas.size(), 150u);
+  EXPECT_LT(low, 1.0);
+  EXPECT_GT(high, 1.0);
+  EXPECT_LT(high - low, 2.0);
+  const auto rate = kernel->rate(8, cases[0]);
+  EXPECT_LT(rate.low, rate.value);
+  EXPECT_GT(rate.high, rate.value);
+  EXPECT_LT(rate.high / rate.low, 3.0);
   ASSERT_EQ(slow.daughters.back().size(), 1u);
   EXPECT_EQ(slow.daughters.back()[0].share, 0.5);
   EXPECT_EQ(slow.daughters.back()[0].number, 2.0);

@@ -86,6 +86,32 @@ TEST(BreakageRates, DoNotDependOnHowOftenOneLooks) {
   EXPECT_GT(rate.high, 3.0);
 }
 
+TEST(BreakageRates, OfAgglomeratesByThemselvesAddUpToThoseOfAll) {
+  // Two of 4 spheres: the second is halved, then a half of it again.
+  const FragmentHistory history{{0.0, {{4, 2}}, {}},
+                                {0.1, {{4, 1}, {2, 2}}, {{4, {2, 2}, "chopper", 2}}},
+                                {0.2, {{4, 1}, {2, 1}, {1, 2}}, {{2, {1, 1}, "shell", 2}}},
+                                {0.3, {{4, 1}, {2, 1}, {1, 2}}, {}}};
+  const std::vector<int> bounds = size_bounds(4);
+
+  const auto apart = by_agglomerate(history, 4);
+
+  ASSERT_EQ(apart.size(), 2u);
+  EXPECT_TRUE(apart[0].back().alive == (std::map<int, long>{{4, 1}}));
+  EXPECT_TRUE(apart[1].back().alive == (std::map<int, long>{{2, 1}, {1, 2}}));
+  std::vector<SizeSums> sums(bounds.size() - 1);
+  for (const FragmentHistory& one : apart)
+    for (std::size_t c = 0; c < sums.size(); ++c) sums[c].add(sums_of(one, bounds)[c], 1);
+  const auto added = records_of(sums, bounds), whole = records_of(history, bounds);
+  for (std::size_t c = 0; c < whole.size(); ++c) {
+    EXPECT_NEAR(added[c].exposure, whole[c].exposure, 1e-12);
+    EXPECT_TRUE(added[c].splits == whole[c].splits);
+  }
+  FragmentHistory untold = history;
+  untold[1].splits[0].agglomerate = 0;
+  EXPECT_TRUE(by_agglomerate(untold, 4).empty());
+}
+
 TEST(BreakageRates, HaveTheExactIntervalOfACount) {
   const Rate none = rate_of(0, 2.0), ten = rate_of(10, 1.0);
 
