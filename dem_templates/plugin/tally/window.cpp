@@ -13,7 +13,6 @@ using json::Value;
 
 constexpr std::size_t kMoments = 4;  // count, sum, sum of ln, sum of ln^2
 constexpr std::size_t kLoad = 8;     // force, torque, axial torque, power
-constexpr double kSlowest = 1e-12;   // a speed of zero has no logarithm [m/s]
 
 Value counts(std::span<const double> values) {
   Array items;
@@ -145,8 +144,10 @@ Value Window::loads() const {
   return loads;
 }
 
+/// First touches slower than the first bin count there: the logarithm of one contact that began at rest or while
+/// parting (1e-12 m/s) would widen the distribution of 3000 impacts by a tenth, and double the breakage in its tail.
 void Window::add_speed(SpeedSums where, double speed) {
-  const double ln_speed = std::log(std::max(speed, kSlowest));
+  const double ln_speed = std::log(std::max(speed, layout_.speed_edges.front()));
   double* sums = &sums_[where.at];
   sums[0] += 1.0;
   sums[1] += speed;

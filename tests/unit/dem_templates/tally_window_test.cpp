@@ -65,6 +65,17 @@ TEST(Window, SummarisesSpeedsByMeanLogarithmAndHistogram) {
   EXPECT_EQ(line["impacts"].numbers("shell"), (std::vector<double>{0, 0}));
 }
 
+TEST(Window, TakesATouchAtRestForTheSlowestBinSoThatItDoesNotWidenTheDistribution) {
+  const TallyLayout bins = layout();
+  Window window(bins);
+  const double slowest = bins.speed_edges.front();
+  for (double speed : {2.0, 0.0}) window.impact(1, 0.0015, 0.05, speed);
+
+  const auto line = window.line({});
+
+  EXPECT_NEAR(line["impact_speed"].number_or("ln_mean", 9), 0.5 * std::log(2.0 * slowest), 1e-15);
+}
+
 TEST(Window, AveragesParticlesOverItsSurveys) {
   const TallyLayout bins = layout();
   Window window(bins);
