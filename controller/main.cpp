@@ -118,8 +118,22 @@ int main(int argc, char** argv) {
   auto* report =
       on_folder("report", "results.h5 -> report.html; of a sweep from its cases' folders, also before its end",
                 [&] { return commands::report(dir, figures, prefix); });
-  report->add_option("--figures", figures, "Of a sweep: also draw its figures into this folder, as SVG");
+  report->add_option("--figures", figures, "Also draw its figures into this folder, as SVG");
   report->add_option("--prefix", prefix, "Of the names of those files");
+
+  commands::CompareCommand compare_command;
+  auto* compare = app.add_subcommand("compare", "Campaigns side by side: what a setting changes, and what it costs");
+  compare->footer(
+      "\nExamples:\n  granary compare runs/cm5 runs/cm5-finer\n"
+      "  granary compare runs/cm5 runs/cm5-* --at 100 --plot d50.svg     at 100 s of the process, with a plot");
+  compare->add_option("dirs", compare_command.dirs, "Run directories; the first is the reference")
+      ->required()
+      ->expected(2, 1000);
+  compare->add_option("--at", compare_command.at, "Process time [s] (default: where the first of them ends)")
+      ->check(CLI::NonNegativeNumber);
+  compare->add_option("--plot", compare_command.plot, "Draw d50 of what flows out into this SVG file");
+  compare->add_flag("--json", compare_command.json, "Print one JSON document on stdout and nothing else");
+  compare->callback([&] { chosen = [&] { return commands::compare(compare_command); }; });
 
   commands::KernelCommand kernel_command;
   auto* kernel = app.add_subcommand("kernel", "A breakage kernel from a sweep of resolved breakage (docs/breakage.md)");

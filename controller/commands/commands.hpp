@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -70,12 +71,21 @@ Result<Exit> stop(const std::filesystem::path& dir);
 Result<Exit> explain(const std::filesystem::path& dir, const std::string& task);
 /// Queues the tasks of a file with the pilot that lives on `dir`; prints their names.
 Result<Exit> submit_tasks(const std::filesystem::path& dir, const std::filesystem::path& file);
-/// report.html; of a sweep also its figures as FIGURES/PREFIXname.svg, if a folder for them is given.
+/// report.html; also its figures as FIGURES/PREFIXname.svg, if a folder for them is given.
 Result<Exit> report(const std::filesystem::path& dir, const std::filesystem::path& figures, const std::string& prefix);
 Result<Exit> bench_pilot(const PilotBenchOptions& options);
 Result<Exit> bench_pbm(const BenchOptions& options);
 Result<Exit> bench_dem(const DemBenchOptions& options);
 Result<Exit> bench_estimation(const EstimationBenchOptions& options);
+
+struct CompareCommand {
+  std::vector<std::filesystem::path> dirs;               ///< run directories; the first is the reference
+  double at = std::numeric_limits<double>::quiet_NaN();  ///< process time [s]; NaN: where the first of them ends
+  std::filesystem::path plot;                            ///< SVG file to draw; empty: none
+  bool json = false;
+};
+/// Campaigns side by side: settings, granules, wall time.
+Result<Exit> compare(const CompareCommand& command);
 
 struct KernelCommand {
   std::filesystem::path dir;          ///< of a sweep of a DEM with agglomerates, over or not

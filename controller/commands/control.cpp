@@ -127,8 +127,8 @@ Result<Exit> report(const fs::path& dir, const fs::path& figures, const std::str
     GRANARY_TRY(const json::Value document, json::read_file(written));
     if (document["understood"].text_or("kind", "") == "sweep") return report_sweep(dir, figures, prefix);
   }
-  if (!figures.empty()) return Error{"--figures is for sweeps; the figures of this campaign are in its report.html."};
   GRANARY_CHECK(report::write_report(dir / "results.h5", dir / "report.html"));
+  if (!figures.empty()) GRANARY_CHECK(report::write_figures(dir / "results.h5", figures, prefix));
   fmt::print("{}\n", (dir / "report.html").string());
   return Exit::ok;
 }

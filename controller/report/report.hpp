@@ -19,4 +19,8 @@ Result<std::string> report_html(const CampaignResults& results, Plotter& plotter
 /// only read. Errors: results that cannot be read, no gnuplot, a page that cannot be written.
 Status write_report(const std::filesystem::path& results_h5, const std::filesystem::path& html);
 
+/// The page's figures as SVG files FOLDER/PREFIXd50.svg. Errors: as above.
+Status write_figures(const std::filesystem::path& results_h5, const std::filesystem::path& folder,
+                     const std::string& prefix);
+
 }  // namespace granary::report

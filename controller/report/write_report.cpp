@@ -1,4 +1,5 @@
 #include "common/files.hpp"
+#include "controller/report/figures.hpp"
 #include "controller/report/gnuplot.hpp"
 #include "controller/report/report.hpp"
 
@@ -9,6 +10,21 @@ Status write_report(const std::filesystem::path& results_h5, const std::filesyst
   GnuplotPlotter gnuplot;
   GRANARY_TRY(const std::string page, report_html(results, gnuplot));
   return write_text_atomically(html, page);
+}
+
+Status write_figures(const std::filesystem::path& results_h5, const std::filesystem::path& folder,
+                     const std::string& prefix) {
+  GRANARY_TRY(const CampaignResults results, read_results(results_h5));
+  std::vector<Plot> plots;
+  for (const auto& part : {process_figures, size_figures, rate_figures, dem_figures, core_figures})
+    for (Figure& figure : part(results))
+      if (!figure.plot.script.empty()) plots.push_back(std::move(figure.plot));
+  GnuplotPlotter gnuplot;
+  GRANARY_TRY(const std::vector<std::string> drawings, gnuplot.draw(plots));
+  GRANARY_CHECK(make_folders(folder));
+  for (std::size_t i = 0; i < plots.size(); ++i)
+    GRANARY_CHECK(write_text_atomically(folder / (prefix + plots[i].id + ".svg"), as_file(drawings[i])));
+  return {};
 }
 
 }  // namespace granary::report
