@@ -1,6 +1,7 @@
 #include "controller/campaign/data_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -35,33 +36,6 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 /// How many SI units one unit is.
 Result<double> factor_of(const std::string& unit, const std::string& si_unit) { return to_si("1 " + unit, si_unit); }
 
-struct Heading {
-  std::string name;
-  double factor = 1.0;
-  bool percent = false;
-};
-
-Result<Heading> heading_of(const std::string& cell, const std::vector<WantedColumn>& wanted) {
-  const std::size_t bracket = cell.find('[');
-  const bool has_unit = bracket != std::string::npos && cell.back() == ']';
-  const std::string name = trimmed(cell.substr(0, bracket));
-  const auto is = std::find_if(wanted.begin(), wanted.end(), [&](const WantedColumn& one) { return one.name == name; });
-  if (is == wanted.end()) {
-    std::string names;
-    for (const WantedColumn& one : wanted) names += (names.empty() ? "" : ", ") + one.name;
-    return Error{fmt::format("the column \"{}\" is none of: {}.", cell, names)};
-  }
-  if (!has_unit && is->si_unit != "1")
-    return Error{fmt::format("the column \"{0}\" has no unit; write it behind the name, such as \"{0} [{1}]\".", name,
-                             is->si_unit)};
-  if (!has_unit) return Heading{name, 1.0, false};
-  const std::string unit = trimmed(cell.substr(bracket + 1, cell.size() - bracket - 2));
-  if (is->percent && unit == "%") return Heading{name, 0.01, true};
-  const auto factor = factor_of(unit, is->si_unit);
-  if (!factor) return Error{fmt::format("the unit of the column \"{}\": {}", cell, factor.error().message)};
-  return Heading{name, *factor, false};
-}
-
 Result<double> number_of(const std::string& cell) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
   double value = 0.0;
@@ -73,42 +47,81 @@ Result<double> number_of(const std::string& cell) {
 
 }  // namespace
 
-Result<Table> read_csv(const fs::path& file, const std::vector<WantedColumn>& wanted) {
+Result<CsvFile> CsvFile::read(const fs::path& file) {
   GRANARY_TRY(const std::string text, read_text(file));
-  Table table;
-  std::vector<Heading> headings;
+  CsvFile csv;
+  csv.file_ = file.string();
   char separator = ',';
   std::istringstream lines(text);
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    const auto fault = [&](const std::string& what) {
-      return Error{fmt::format("{}: line {}: {}", file.string(), number, what)};
-    };
     if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
-    if (headings.empty()) {
+    if (csv.headings_.empty())
       for (const char other : {';', '\t'})
         if (line.find(other) != std::string::npos) separator = other;
-      for (const std::string& cell : cells_of(line, separator)) {
-        auto heading = heading_of(cell, wanted);
-        if (!heading) return fault(heading.error().message);
-        if (!table.try_emplace(heading->name, Column{{}, heading->percent}).second)
-          return fault(fmt::format("the column \"{}\" is there twice.", heading->name));
-        headings.push_back(*heading);
-      }
-      continue;
-    }
-    const auto cells = cells_of(line, separator);
-    if (cells.size() != headings.size())
-      return fault(fmt::format("it has {} cells, and the first line names {} columns.", cells.size(), headings.size()));
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      const auto value = number_of(cells[k]);
-      if (!value) return fault(value.error().message);
-      table[headings[k].name].values.push_back(*value * headings[k].factor);
+    std::vector<std::string> cells = cells_of(line, separator);
+    if (csv.headings_.empty()) {
+      GRANARY_CHECK(csv.read_headings(cells));
+    } else if (cells.size() != csv.headings_.size()) {
+      return Error{fmt::format("{}: line {}: it has {} cells, and the first line names {} columns.", csv.file_, number,
+                               cells.size(), csv.headings_.size())};
+    } else {
+      csv.rows_.push_back({number, std::move(cells)});
     }
   }
-  if (headings.empty()) return Error{file.string() + ": it is empty; its first line must name the columns."};
-  return table;
+  if (csv.headings_.empty()) return Error{csv.file_ + ": it is empty; its first line must name the columns."};
+  return csv;
+}
+
+Status CsvFile::read_headings(const std::vector<std::string>& cells) {
+  for (const std::string& cell : cells) {
+    const std::size_t bracket = cell.find('[');
+    const bool has_unit = bracket != std::string::npos && cell.back() == ']';
+    const std::string name = trimmed(cell.substr(0, bracket));
+    if (has(name)) return Error{fmt::format("{}: the column \"{}\" is there twice.", file_, name)};
+    const std::string unit = has_unit ? trimmed(cell.substr(bracket + 1, cell.size() - bracket - 2)) : "";
+    headings_.push_back({name, unit, headings_.size()});
+  }
+  return {};
+}
+
+const CsvFile::Heading* CsvFile::find(const std::string& name) const {
+  const auto is = std::find_if(headings_.begin(), headings_.end(), [&](const Heading& h) { return h.name == name; });
+  return is == headings_.end() ? nullptr : &*is;
+}
+
+Error CsvFile::no_column(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const Heading& one : headings_) names.push_back(one.name);
+  return Error{fmt::format("{}: it has no column \"{}\"; it has: {}.", file_, name, fmt::join(names, ", "))};
+}
+
+Result<Column> CsvFile::column(const std::string& name, const std::string& si_unit, bool percent) const {
+  const Heading* heading = find(name);
+  if (heading == nullptr) return no_column(name);
+  if (heading->unit.empty() && si_unit != "1")
+    return Error{fmt::format("{0}: the column \"{1}\" has no unit; write it behind the name, such as \"{1} [{2}]\".",
+                             file_, name, si_unit)};
+  Column column;
+  double factor = 1.0;
+  if (percent && heading->unit == "%") {
+    column.percent = true;
+    factor = 0.01;
+  } else if (!heading->unit.empty()) {
+    const auto converted = factor_of(heading->unit, si_unit);
+    if (!converted)
+      return Error{fmt::format("{}: the unit of the column \"{} [{}]\": {}", file_, name, heading->unit,
+                               converted.error().message)};
+    factor = *converted;
+  }
+  for (const Row& row : rows_) {
+    const auto value = number_of(row.cells[heading->at]);
+    if (!value)
+      return Error{fmt::format("{}: line {}: column \"{}\": {}", file_, row.line, name, value.error().message)};
+    column.values.push_back(*value * factor);
+  }
+  return column;
 }
 
 Result<Dataset> read_dataset(const fs::path& file, const std::string& name, const std::string& si_unit) {

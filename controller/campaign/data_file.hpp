@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -10,24 +9,40 @@
 
 namespace granary::campaign {
 
-/// A column that may be there: its name, and the SI unit its values are wanted in. "%" stands beside any unit.
-struct WantedColumn {
-  std::string name, si_unit;
-  bool percent = false;  ///< "%" is allowed too: of another column
-};
-
 struct Column {
   std::vector<double> values;  ///< NaN: an empty cell
   bool percent = false;        ///< in shares of 1 of another column's value
 };
 
-using Table = std::map<std::string, Column>;
-
 /// CSV: separated by commas, semicolons or tabs; "#" begins a comment line; the first line names the columns, with
-/// their units in brackets: `time [s],d50 [um],error [%]`. Errors: no such file, an unknown column (lists those there
-/// may be), a unit that is missing or of another kind, a cell that is no number (names the line), columns of unequal
-/// length.
-Result<Table> read_csv(const std::filesystem::path& file, const std::vector<WantedColumn>& wanted);
+/// their units in brackets: `time [s],d50 [um],d50_error [%],sample`. Columns nobody asks for may hold anything.
+class CsvFile {
+ public:
+  /// Errors: no such file, none but comments in it, a line of another number of cells, a column that is there twice.
+  static Result<CsvFile> read(const std::filesystem::path& file);
+
+  bool has(const std::string& column) const { return find(column) != nullptr; }
+  /// In SI. Errors: no such column (lists those there are), a unit that is missing or of another kind, a cell that is
+  /// no number (names the line). "%" is allowed beside any unit where `percent`: of another column.
+  Result<Column> column(const std::string& name, const std::string& si_unit, bool percent = false) const;
+
+ private:
+  struct Heading {
+    std::string name, unit;  ///< unit "": there is none
+    std::size_t at;
+  };
+  struct Row {
+    std::size_t line;
+    std::vector<std::string> cells;
+  };
+  const Heading* find(const std::string& name) const;
+  Status read_headings(const std::vector<std::string>& cells);
+  Error no_column(const std::string& name) const;
+
+  std::string file_;
+  std::vector<Heading> headings_;
+  std::vector<Row> rows_;
+};
 
 /// A dataset of HDF5 with the attribute "unit", row-major, in SI. results.h5 has such datasets.
 struct Dataset {

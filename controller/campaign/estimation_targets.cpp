@@ -163,6 +163,8 @@ class TargetReader {
     const bool h5 = file.extension() == ".h5" || file.extension() == ".hdf5";
     if (!h5 && reader_.has("dataset"))
       return reader_.problem("dataset", "only files of HDF5 (.h5, .hdf5) have datasets.");
+    if (h5 && reader_.has("column"))
+      return reader_.problem("column", "files of HDF5 have datasets.", R"(Name one: "dataset": "/pbm/outlet_d50".)");
     const std::size_t before = estimation_.targets.size();
     const Status done = h5 ? (is_distribution() ? distributions_of_h5(file) : values_of_h5(file))
                            : (is_distribution() ? distributions_of_csv(file) : values_of_csv(file));
@@ -182,22 +184,30 @@ class TargetReader {
 
   std::string name_of_row(std::size_t row) const { return fmt::format("datum {} of {}: ", row + 1, source_); }
 
+  /// The name of the column of values: that of the quantity, if no other is given.
+  std::string own_column() const {
+    return reader_.text_or("column", is_distribution() ? "share" : estimation::name_of(target_.quantity));
+  }
+
   Status values_of_csv(const fs::path& file) {
-    const std::string own = estimation::name_of(target_.quantity);
-    GRANARY_TRY(const Table table, read_csv(file, {{"time", "s"}, {own, unit_}, {"error", unit_, true}}));
-    for (const std::string& column : {std::string("time"), own})
-      if (table.find(column) == table.end())
-        return Error{fmt::format("{}: it has no column \"{}\".", file.string(), column)};
-    const auto error = table.find("error");
-    if (error == table.end() && !error_)
-      return Error{file.string() + ": there is neither a column \"error\" nor a setting of that name."};
-    for (std::size_t row = 0; row < table.at("time").values.size(); ++row) {
-      target_.time = table.at("time").values[row];
-      target_.value = table.at(own).values[row];
+    GRANARY_TRY(const CsvFile csv, CsvFile::read(file));
+    const std::string own = own_column();
+    const std::string errors = csv.has(own + "_error") ? own + "_error" : "error";
+    GRANARY_TRY(const Column time, csv.column("time", "s"));
+    GRANARY_TRY(const Column value, csv.column(own, unit_));
+    std::optional<Column> error;
+    if (csv.has(errors)) {
+      GRANARY_TRY(error, csv.column(errors, unit_, true));
+    } else if (!error_) {
+      return Error{fmt::format("{}: there is neither a column \"{}_error\" or \"error\" nor a setting \"error\".",
+                               file.string(), own)};
+    }
+    for (std::size_t row = 0; row < time.values.size(); ++row) {
+      target_.time = time.values[row];
+      target_.value = value.values[row];
       if (std::isnan(target_.value) || !is_wanted(target_.time)) continue;
-      target_.error = error != table.end()
-                          ? Deviation{error->second.values[row], error->second.percent}.of(target_.value)
-                          : error_->of(target_.value);
+      target_.error =
+          error ? Deviation{error->values[row], error->percent}.of(target_.value) : error_->of(target_.value);
       add("file", name_of_row(row));
     }
     return {};
@@ -205,21 +215,22 @@ class TargetReader {
 
   /// Rows "from, to, share" of one distribution after the other, each with its time.
   Status distributions_of_csv(const fs::path& file) {
-    GRANARY_TRY(const Table table, read_csv(file, {{"time", "s"}, {"from", "m"}, {"to", "m"}, {"share", "1"}}));
-    for (const char* column : {"time", "from", "to", "share"})
-      if (table.find(column) == table.end())
-        return Error{fmt::format("{}: it has no column \"{}\".", file.string(), column)};
-    const auto& time = table.at("time").values;
+    GRANARY_TRY(const CsvFile csv, CsvFile::read(file));
+    GRANARY_TRY(const Column times, csv.column("time", "s"));
+    GRANARY_TRY(const Column from, csv.column("from", "m"));
+    GRANARY_TRY(const Column to, csv.column("to", "m"));
+    GRANARY_TRY(const Column share, csv.column(own_column(), "1"));
+    const auto& time = times.values;
     for (std::size_t row = 0; row < time.size();) {
-      target_.edges = {table.at("from").values[row]};
+      target_.edges = {from.values[row]};
       target_.shares.clear();
       const std::size_t first = row;
       for (; row < time.size() && time[row] == time[first]; ++row) {
-        if (table.at("from").values[row] != target_.edges.back())
+        if (from.values[row] != target_.edges.back())
           return Error{
               fmt::format("{}: datum {}: each class must begin where the one before it ends.", file.string(), row + 1)};
-        target_.edges.push_back(table.at("to").values[row]);
-        target_.shares.push_back(table.at("share").values[row]);
+        target_.edges.push_back(to.values[row]);
+        target_.shares.push_back(share.values[row]);
       }
       GRANARY_CHECK(add_distribution(file, time[first], first));
       if (row == first) ++row;  // a time that is no number

@@ -123,6 +123,38 @@ TEST(Estimation, TakesDistributionsFromBothKindsOfFiles) {
   EXPECT_THAT(campaign->estimation->sources, ElementsAre("psd.csv", "psd.csv", "psd.h5"));
 }
 
+TEST(Estimation, TakesSeveralQuantitiesFromTheColumnsOfOneFileEachWithItsOwnErrors) {
+  std::ofstream(fs::path(testing::TempDir()) / "all.csv")
+      << "sample,time [min],d50 [um],d50_error [um],d90_laser [mm],error [%],share,from [um],to [um],share of 2\n"
+         "A1,0.5,80,4,0.2,10,0.3,20,50,0.6\nA2,1,,,0.3,20,0.4,20,50,0.5\n";
+
+  const auto campaign = coupled(R"({"quantity": "d50", "file": "all.csv"},
+      {"quantity": "d90", "file": "all.csv", "column": "d90_laser"},
+      {"quantity": "distribution", "file": "all.csv", "column": "share of 2", "error": 0.01})");
+
+  ASSERT_TRUE(campaign) << campaign.error().message;
+  const auto& targets = campaign->estimation->targets;
+  ASSERT_EQ(5u, targets.size());
+  EXPECT_THAT(targets[0].value, DoubleNear(80e-6, 1e-18));
+  EXPECT_THAT(targets[0].error, DoubleNear(4e-6, 1e-18)) << "its own errors, not those of the column \"error\"";
+  EXPECT_EQ(Quantity::d90, targets[1].quantity);
+  EXPECT_THAT((std::vector{targets[1].value, targets[2].value}),
+              ElementsAre(DoubleNear(2e-4, 1e-18), DoubleNear(3e-4, 1e-18)));
+  EXPECT_THAT((std::vector{targets[1].error, targets[2].error}),
+              ElementsAre(DoubleNear(2e-5, 1e-18), DoubleNear(6e-5, 1e-18)));
+  EXPECT_THAT((std::vector{targets[1].time, targets[2].time}), ElementsAre(30.0, 60.0));
+  EXPECT_THAT(targets[3].shares, ElementsAre(0.6));
+}
+
+TEST(Estimation, SaysWhichColumnsAFileHasWhereTheWantedOneIsMissing) {
+  std::ofstream(fs::path(testing::TempDir()) / "some.csv") << "time [s],d90 [um]\n10,80\n";
+
+  const auto campaign = coupled(R"({"quantity": "d50", "file": "some.csv", "error": "5 %"})");
+
+  ASSERT_FALSE(campaign);
+  EXPECT_THAT(campaign.error().message, HasSubstr("it has no column \"d50\"; it has: time, d90."));
+}
+
 TEST(Estimation, ASetIsRefusedByTheNameOfWhatIsWrongWithIt) {
   const auto campaign = coupled(kD50, R"(, "experiments": [{"name": "b", "set": {"/process/duration": "5 kg"}}])");
 
