@@ -71,17 +71,13 @@ std::string report_text(const Value& report, const campaign::Estimation& estimat
   if (report["parameters"].size() == 0) return "no evaluation succeeded: see estimation/evaluations.jsonl\n";
   std::string text = fmt::format("  {:<28} {:>14}   {}\n", "parameter", "estimate", "95 % interval");
   for (const Value& p : report["parameters"].items()) text += parameter_line(p, estimation);
-  for (const Value& warning : report["unidentified"].items()) text += fmt::format("! {}\n", warning.as_string());
-  const double chi_square = report["chi_square_per_datum"].as_number();
-  text += fmt::format("fit: chi^2 per datum {:.3g}{}\n", chi_square,
-                      chi_square > 2.0 ? ": the model misses the data by more than their errors say" : "");
+  for (const char* kind : {"unidentified", "doubts"})
+    for (const Value& warning : report[kind].items()) text += fmt::format("! {}\n", warning.as_string());
+  text += fmt::format("fit: chi^2 per datum {:.3g}\n", report["chi_square_per_datum"].as_number());
   if (!report["held_out_mean_square"].is_null())
     text += fmt::format("held-out data: mean square {:.3g} of their errors (about 1 if they are predicted)\n",
                         report["held_out_mean_square"].as_number());
-  text += fmt::format("intervals: {}\n", report["from_posterior"].as_bool()
-                                             ? fmt::format("of the posterior, {:.0f} effective samples",
-                                                           report["effective_samples"].as_number())
-                                             : "of a parabola at the best fit");
+  text += fmt::format("intervals: {}\n", report["intervals"].as_string());
   return text + fmt::format("{} evaluations ({} failed) in {:.1f} s, {:.0f} a second; core use {:.0f} %\nreport: {}\n",
                             report["evaluated"].as_integer(), report["failed"].as_integer(),
                             report["wall_s"].as_number(), report["evaluations_per_s"].as_number(),

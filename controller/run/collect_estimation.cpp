@@ -68,10 +68,20 @@ Status read_evaluations(EstimationSummary& summary, const fs::path& file) {
   return {};
 }
 
+/// The folders of the final run; by itself (no DEM) an estimation has it as its only burst.
+std::vector<fs::path> final_run(const fs::path& dir) {
+  const fs::path alone = dir / "bursts/0001-pbm";
+  if (fs::exists(alone) && !fs::exists(dir / "bursts/0001-dem")) return {alone};
+  std::vector<fs::path> folders;
+  for (int k = 1; fs::exists(dir / "final" / fmt::format("{:04}", k)); ++k)
+    folders.push_back(dir / "final" / fmt::format("{:04}", k));
+  return folders;
+}
+
 /// The outlet over the final run, its segments joined.
-Status read_final_run(EstimationSummary& summary, const fs::path& folder) {
-  for (int k = 1; fs::exists(folder / fmt::format("{:04}", k)); ++k) {
-    GRANARY_TRY(const auto lines, json::LineReader(folder / fmt::format("{:04}", k) / "progress.jsonl").next());
+Status read_final_run(EstimationSummary& summary, const fs::path& dir) {
+  for (const fs::path& folder : final_run(dir)) {
+    GRANARY_TRY(const auto lines, json::LineReader(folder / "progress.jsonl").next());
     for (const json::Value& line : lines) {
       if (!line["time_s"].is_number()) continue;
       summary.final_time.push_back(line["time_s"].as_number());
@@ -96,9 +106,12 @@ Result<EstimationSummary> estimation_of(const campaign::Campaign& campaign, cons
   read_parameters(summary, *campaign.estimation, best);
   read_data(summary, *campaign.estimation, best.numbers("model"));
   if (fs::exists(folder / "evaluations.jsonl")) GRANARY_CHECK(read_evaluations(summary, folder / "evaluations.jsonl"));
-  GRANARY_CHECK(read_final_run(summary, dir / "final"));
-  for (const json::Value& warning : best["unidentified"].items_or_none())
-    if (warning.is_string()) summary.warnings.push_back(warning.as_string());
+  GRANARY_CHECK(read_final_run(summary, dir));
+  if (best.find("intervals") != nullptr && !best["from_posterior"].as_bool() && best["parameters"].size() > 0)
+    summary.warnings.push_back("95 % intervals: " + best.text_or("intervals", "") + ".");
+  for (const char* kind : {"unidentified", "doubts"})
+    for (const json::Value& warning : best[kind].items_or_none())
+      if (warning.is_string()) summary.warnings.push_back(warning.as_string());
   summary.phase = best.text_or("phase", "search");
   summary.misfit = best.number_or("chi_square_per_datum", kNone);
   summary.held_out = best.number_or("held_out_mean_square", kNone);

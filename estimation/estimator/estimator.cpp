@@ -1,5 +1,7 @@
 #include "estimation/estimator/estimator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,12 +21,33 @@ namespace {
 constexpr double kWorthSearching = 0.1;
 constexpr int kMostReturns = 3;
 constexpr double kEnoughSamples = 50.0;  // effective ones, for quantiles rather than Laplace's intervals
+constexpr double kLargeMisfit = 2.0;     // chi^2 per datum
 constexpr double kNearBy = 1e-3;         // in the unit cube: two points that tell the same
 
 double distance(const Point& a, const Point& b) {
   double square = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) square += (a[k] - b[k]) * (a[k] - b[k]);
   return std::sqrt(square);
+}
+
+/// To the end of the search and the differences, by `hybrid`: medians of the twin experiments in docs/estimation.md.
+int usual_evaluations(int parameters) { return 57 * parameters + 25 * parameters * parameters; }
+
+std::vector<std::string> doubts_of(const Estimate& e, std::size_t n_held_out) {
+  std::vector<std::string> doubts;
+  if (e.chi_square_per_datum > kLargeMisfit)
+    doubts.push_back(
+        fmt::format("The model misses the data by more than their errors say (chi^2 per datum {:.3g}): it "
+                    "lacks something, the errors are larger, or the search has not come to its end.",
+                    e.chi_square_per_datum));
+  if (!e.held_out) return doubts;
+  const double by_chance = mean_square_by_chance(n_held_out);
+  if (*e.held_out > by_chance)
+    doubts.push_back(
+        fmt::format("The {} held-out data are not predicted: the mean square of their residuals is {:.3g} "
+                    "errors; by chance alone it stays below {:.2g} in 95 % of cases.",
+                    n_held_out, *e.held_out, by_chance));
+  return doubts;
 }
 
 }  // namespace
@@ -283,6 +306,9 @@ Estimate Estimator::estimate() const {
   e.chi_square_per_datum = 2.0 * e.cost / std::max(data - s.dimensions(), 1.0);
   if (const auto& held_out = s.best.outcome.held_out; !held_out.empty())
     e.held_out = 2.0 * cost_of(held_out) / static_cast<double>(held_out.size());
+  e.doubts = doubts_of(e, s.best.outcome.held_out.size());
+  e.intervals = fmt::format("none yet: {} evaluations{}, and about {} are needed", s.evaluated_now,
+                            s.version > 1 ? " with the present rates" : "", usual_evaluations(s.dimensions()));
   if (!s.posterior) return e;
 
   const Uncertainty& u = s.uncertainty;
@@ -297,6 +323,11 @@ Estimate Estimator::estimate() const {
   }
   e.effective_samples = s.posterior->samples() > 0 ? s.posterior->effective_samples() : 0.0;
   e.from_posterior = e.effective_samples >= kEnoughSamples;
+  e.intervals = e.from_posterior ? fmt::format("of the posterior, {:.0f} effective samples", e.effective_samples)
+                                 : fmt::format(
+                                       "of a parabola at the best fit; the sample of the posterior has {:.0f} "
+                                       "effective ones, and {:.0f} are needed",
+                                       e.effective_samples, kEnoughSamples);
   for (std::size_t k = 0; e.from_posterior && k < e.values.size(); ++k) {
     const auto interval = s.posterior->interval(k);
     e.low[k] = s.problem.parameters[k].value_at(interval->low);
@@ -321,6 +352,8 @@ json::Value to_json(const Estimate& e, const std::vector<Parameter>& parameters)
                               {"effective_samples", e.effective_samples},
                               {"correlation", e.correlation},
                               {"unidentified", e.unidentified},
+                              {"doubts", e.doubts},
+                              {"intervals", e.intervals},
                               {"cost", e.cost},
                               {"chi_square_per_datum", e.chi_square_per_datum},
                               {"held_out_mean_square", e.held_out ? json::Value(*e.held_out) : json::Value()},

@@ -51,6 +51,8 @@ struct Estimate {
   std::vector<std::vector<double>> correlation;  ///< shape (parameters, parameters), on the parameters' scales
   std::vector<bool> at_bound;                    ///< the interval ends where the parameter's bounds do
   std::vector<std::string> unidentified;         ///< warnings, a sentence each: what the data cannot tell apart
+  std::vector<std::string> doubts;               ///< likewise: data, held-out ones too, that are missed by too much
+  std::string intervals;                         ///< what they are of, or why there are none yet: for people
   double cost = 0.0;                             ///< half the sum of squares
   double chi_square_per_datum = 0.0;             ///< sum of squares over (data - parameters)
   std::optional<double> held_out;                ///< mean square of the held-out residuals; about 1 if it predicts

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 namespace granary::estimation {
@@ -26,6 +27,11 @@ std::vector<std::vector<double>> rows_of(const MatrixXd& m) {
 }
 
 }  // namespace
+
+double mean_square_by_chance(std::size_t n) {
+  const auto data = static_cast<double>(n);
+  return boost::math::quantile(boost::math::chi_squared(data), 0.95) / data;
+}
 
 std::vector<Point> difference_points(const Point& centre, double step) {
   std::vector<Point> points;

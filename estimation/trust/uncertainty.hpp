@@ -30,6 +30,10 @@ struct Uncertainty {
   std::vector<bool> at_bound;         ///< the interval ends at a bound of the parameter
 };
 
+/// The mean of n squared residuals of a right model, in units of their errors, stays below this in 95 % of cases: the
+/// quantile of chi^2 with n degrees of freedom, over n.
+double mean_square_by_chance(std::size_t n);
+
 /// Laplace's approximation at the best fit, covariance (J^T J + 12)^{-1}: the residuals are in units of their errors,
 /// and 12 = 1 / variance of a parameter that is only known to lie between its bounds. Where the misfit is larger than
 /// the stated errors explain (chi^2 per datum > 1), the covariance is widened by it.

@@ -96,6 +96,30 @@ TEST(Estimator, EndsWithIntervalsThatHoldTheTruthAndPredictsWhatWasHeldOut) {
   EXPECT_GT(estimator.failed(), 0);
 }
 
+TEST(Estimator, SaysHowManyEvaluationsThereAreAndAboutHowManyAreNeededBeforeItHasIntervals) {
+  const Decay decay(2.0, 0.1, 3);
+  Estimator estimator(decay.problem, {});
+  for (const Trial& trial : estimator.ask(10))
+    estimator.tell(trial.number, Decay::outcome(decay.problem, estimator.values_of(trial)));
+
+  EXPECT_TRUE(estimator.estimate().low.empty());
+  EXPECT_EQ("none yet: 10 evaluations, and about 214 are needed", estimator.estimate().intervals);
+
+  const long needed = finish(estimator, [&](const auto& v) { return Decay::outcome(decay.problem, v); });
+  EXPECT_GT(needed, 100);
+  EXPECT_THAT(estimator.estimate().intervals, HasSubstr("of the posterior, "));
+}
+
+TEST(Estimator, DoubtsAFitThatDoesNotPredictTheHeldOutData) {
+  Decay decay(2.0, 0.1, 3);
+  for (Target& target : decay.problem.targets)
+    if (target.held_out) target.value += 5.0 * target.error;
+  Estimator estimator(decay.problem, {});
+  finish(estimator, [&](const auto& v) { return Decay::outcome(decay.problem, v); });
+
+  EXPECT_THAT(estimator.estimate().doubts, ElementsAre(HasSubstr("The 5 held-out data are not predicted")));
+}
+
 TEST(Estimator, HoldsTheTruthInNineteenOfTwentyIntervals) {
   int held = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
