@@ -62,7 +62,7 @@ Result<Exit> dry_run_coupled(const Campaign& campaign, const pilot::Machine& mac
   GRANARY_TRY(const auto pilot,
               pilot::Pilot::open({std::filesystem::current_path(), machine}, loop, launcher, journal));
   run::Progress progress(loop, {}, options.quiet || options.json);
-  run::SimulatedEstimation estimation(*pilot);
+  run::SimulatedEstimation estimation(*pilot, loop, run::dem_seconds(campaign, campaign.dem_case.tally.window));
   run::CampaignRun campaign_run(run::coupling_settings(campaign), handover, *pilot, loop, journal, progress.watcher(),
                                 campaign.estimation ? &estimation : nullptr);
   GRANARY_CHECK(campaign_run.begin());

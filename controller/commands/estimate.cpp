@@ -10,6 +10,7 @@
 #include "controller/commands/estimate.hpp"
 #include "controller/commands/finish.hpp"
 #include "controller/commands/past.hpp"
+#include "controller/estimation/adoption.hpp"
 #include "controller/estimation/crew_settings.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "controller/estimation/estimation_text.hpp"
@@ -60,13 +61,37 @@ Result<Campaign> read(const RunOptions& options) {
   return campaign;
 }
 
-/// Nothing was coupled: what there is to report is the estimation.
-coupling::State ended(const Crew& crew) {
+constexpr coupling::BurstId kFinalRun{1, coupling::Kind::pbm};
+
+/// The balance of the first experiment with the estimate, as a campaign's burst: what it gives is kept and reported as
+/// any balance's is.
+Result<std::vector<pilot::TaskSpec>> final_run(Session& session, const estimation::Problem& problem, const Crew& crew,
+                                               const run::FileHandover& handover) {
+  using Adopt = campaign::Estimation::Adopt;
+  if (session.campaign.estimation->adopt == Adopt::never || !crew.best()) return std::vector<pilot::TaskSpec>();
+  GRANARY_TRY(const auto values, estimating::final_values(session.journal, crew.best(), session.pilot->now()));
+  json::Value document =
+      estimation::with_parameters(problem.experiments.front().segments.front(), problem.parameters, values);
+  const fs::path folder = fs::path("bursts") / kFinalRun.folder();
+  GRANARY_CHECK(make_folders(session.dir / folder));
+  GRANARY_CHECK(json::write_file(session.dir / folder / "case.json", document.set("name", kFinalRun.folder())));
+  pilot::TaskSpec task = handover.pbm_task();
+  task.name = run::program_name(kFinalRun, 1);
+  task.dir = folder;
+  return std::vector{std::move(task)};
+}
+
+/// Nothing was coupled: what there is to report is the estimation, and the run with it.
+coupling::State ended(const Session& session, bool complete) {
   coupling::State state;
   state.phase = coupling::Phase::ended;
-  state.ended = crew.done() ? coupling::End::How::limit : coupling::End::How::stopped;
-  state.why_ended.message = crew.done() ? "the parameters' intervals are known, or all evaluations are used up"
-                                        : "stopped before the parameters' intervals were known";
+  state.ended = complete ? coupling::End::How::limit : coupling::End::How::stopped;
+  state.why_ended.message = complete ? "the parameters' intervals are known, or all evaluations are used up"
+                                     : "stopped before the parameters' intervals were known";
+  if (complete && session.pilot->find(run::program_name(kFinalRun, 1))) {
+    const pbm::PbmCase& balance = session.campaign.estimation->experiments.front().balance;
+    state.bursts.push_back({kFinalRun, 1, "end", balance.start_time, balance.end_time, "with the estimate"});
+  }
   return state;
 }
 
@@ -84,7 +109,10 @@ Result<Exit> run_estimate(Session& session, bool json, bool quiet) {
   GRANARY_CHECK(crew.begin(problem));
 
   ProgressLine progress(crew, session.campaign, session.loop, quiet);
-  estimating::EstimationRun run(crew, *session.pilot, session.loop, [&] { progress.show(); });
+  const run::FileHandover handover(session.campaign, session.dir, program_folder());
+  estimating::EstimationRun run(
+      crew, *session.pilot, session.loop, [&] { progress.show(); },
+      [&] { return final_run(session, problem, crew, handover); });
   session.stop_on_signals([&](const std::string& message) { session.pilot->stop_all(message); });
   GRANARY_CHECK(session.serve([&](const json::Value& request) {
     json::Value answer = session.pilot->answer(request);
@@ -101,13 +129,13 @@ Result<Exit> run_estimate(Session& session, bool json, bool quiet) {
       estimating::report_json(crew, problem, session.pilot->usage(), session.pilot->now(), session.dir);
   GRANARY_CHECK(json::write_file(session.dir / "estimation" / "report.json", report));
   GRANARY_CHECK(crew.write_best());
-  const run::FileHandover handover(session.campaign, session.dir, program_folder());
-  GRANARY_TRY([[maybe_unused]] const CampaignResults results, finish(session, handover, ended(crew)));
+  GRANARY_TRY([[maybe_unused]] const CampaignResults results,
+              finish(session, handover, ended(session, run.complete())));
   if (json)
     fmt::print("{}\n", json::dump(report, 1));
   else
     fmt::print("{}", estimating::report_text(report, *session.campaign.estimation));
-  if (crew.done()) return crew.best() ? Exit::ok : Exit::task_failed;
+  if (run.complete()) return crew.best() ? Exit::ok : Exit::task_failed;
   fmt::print(stderr, "stopped; go on with: granary resume {}\n", session.dir.string());
   return Exit::stopped;
 }

@@ -53,7 +53,8 @@ Result<Exit> run_coupled(Session& session, bool json, bool quiet) {
   std::unique_ptr<run::CampaignEstimation> estimation;
   if (session.campaign.estimation) {
     estimation = std::make_unique<run::CampaignEstimation>(session.campaign, session.dir, program_folder(), handover,
-                                                           *session.pilot, session.journal, progress.watcher().note);
+                                                           *session.pilot, session.loop, session.journal,
+                                                           progress.watcher().note);
     handover.adopt_with([&estimation](json::Value pbm_case, const coupling::StartBurst& start) {
       return estimation->adopted(std::move(pbm_case), start);
     });

@@ -91,6 +91,12 @@ Result<std::vector<std::string>> Crew::change(const Problem& problem) {
   return names;
 }
 
+std::vector<std::string> Crew::open() const {
+  std::vector<std::string> names;
+  for (const auto& [name, batch] : open_) names.push_back(name);
+  return names;
+}
+
 bool Crew::done() const {
   if (!begun()) return false;
   return (settings_.until_done && estimator_->phase() == Phase::done) || (exhausted_ && open_.empty());

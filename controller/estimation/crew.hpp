@@ -44,6 +44,9 @@ class Crew {
   /// problem, or the disk is full); the campaign can.
   Status ended(const pilot::TaskEnd& end);
 
+  /// Tasks whose results would still be taken.
+  std::vector<std::string> open() const;
+
   /// Nothing more to ask, or (until_done) nothing more to know.
   bool done() const;
   int version() const { return begun() ? estimator_->version() : 0; }

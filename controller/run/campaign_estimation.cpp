@@ -7,6 +7,7 @@
 #include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "common/log.hpp"
+#include "controller/estimation/adoption.hpp"
 #include "controller/estimation/crew_settings.hpp"
 
 namespace granary::run {
@@ -16,8 +17,8 @@ using coupling::Kind;
 
 namespace {
 
+constexpr double kLookEvery = 0.1;  // for first rates [s]
 constexpr const char* kAdopted = "estimation.adopted";
-constexpr const char* kFinal = "estimation.final";
 constexpr const char* kOver = "estimation.over";  // the coupling's end, before the final run
 
 std::vector<estimation::Parameter> parameters_of(const Estimation& estimation) {
@@ -37,29 +38,49 @@ std::string told_to_people(const Estimation& estimation, const std::vector<doubl
 }  // namespace
 
 CampaignEstimation::CampaignEstimation(const campaign::Campaign& campaign, fs::path dir, fs::path programs,
-                                       FileHandover& handover, pilot::Pilot& pilot, pilot::Journal& journal,
-                                       std::function<void(const std::string&)> note)
+                                       FileHandover& handover, pilot::Pilot& pilot, pilot::EventLoop& loop,
+                                       pilot::Journal& journal, std::function<void(const std::string&)> note)
     : campaign_(campaign),
       dir_(std::move(dir)),
       programs_(std::move(programs)),
       handover_(handover),
       pilot_(pilot),
+      loop_(loop),
       journal_(journal),
       note_(std::move(note)),
       crew_(estimating::crew_settings(*campaign.estimation, dir_, programs_, pilot.machine().n_cores())) {}
 
 Status CampaignEstimation::begin(const coupling::State& state) {
   if (const auto before = journal_.records(kAdopted); !before.empty()) {
-    const json::Value& last = before.back().payload;
-    earlier_best_ = estimation::Fitted{last.numbers("values"), static_cast<int>(last.integer_or("version", 0)),
-                                       static_cast<long>(last.integer_or("trial", 0)), last.number_or("cost", 0.0)};
+    earlier_best_ = estimating::fitted_of(before.back().payload);
   }
-  return work_on(state);
+  GRANARY_TRY(const auto stretches, history(state));
+  GRANARY_CHECK(work_on(stretches));
+  if (!state.ended) submit_fillers();
+  return {};
 }
 
 void CampaignEstimation::told(const coupling::Event& event, const coupling::State& state) {
-  if (given_up_ || state.ended || !std::holds_alternative<coupling::DemExchanged>(event)) return;
-  if (const Status worked = work_on(state); !worked) give_up(worked.error());
+  if (given_up_ || state.ended) return;
+  if (const auto* started = std::get_if<coupling::TaskStarted>(&event); started && started->burst.kind == Kind::dem)
+    return await_rates(started->burst);
+  if (!std::holds_alternative<coupling::DemExchanged>(event)) return;
+  const auto stretches = history(state);
+  const Status worked = stretches ? work_on(*stretches) : Status(stretches.error());
+  worked ? submit_fillers() : give_up(worked.error());
+}
+
+/// The first burst's cores are not all there are: the others begin with what it has counted by now. Its last line may
+/// be half written: the next look finds it whole.
+void CampaignEstimation::await_rates(const coupling::BurstId& dem_burst) {
+  loop_.cancel(awaiting_);
+  if (crew_.begun() || given_up_ || pilot_.stopping()) return;
+  if (const auto measured = handover_.rates_so_far(dem_burst)) {
+    const Status worked = work_on({{0.0, measured->rates}});
+    worked ? submit_fillers() : give_up(worked.error());
+  } else {
+    awaiting_ = loop_.after(kLookEvery, [this, dem_burst] { await_rates(dem_burst); });
+  }
 }
 
 /// The rates that were measured so far, each up to the end of its PBM burst.
@@ -80,8 +101,7 @@ Result<std::vector<estimating::Stretch>> CampaignEstimation::history(const coupl
   return stretches;
 }
 
-Status CampaignEstimation::work_on(const coupling::State& state) {
-  GRANARY_TRY(const auto stretches, history(state));
+Status CampaignEstimation::work_on(const std::vector<estimating::Stretch>& stretches) {
   const auto problem = estimating::problem_of(campaign_, stretches);
   if (!problem) return stretches.empty() ? Status() : problem.error();  // before the first rates there is nothing to do
   if (!crew_.begun()) {
@@ -92,7 +112,6 @@ Status CampaignEstimation::work_on(const coupling::State& state) {
     for (const std::string& name : stale)
       if (const auto id = pilot_.find(name)) pilot_.stop(*id, "there are new rates");
   }
-  if (!state.ended) submit_fillers();
   return {};
 }
 
@@ -134,14 +153,6 @@ void CampaignEstimation::task_ended(const pilot::TaskEnd& end) {
   submit_fillers();
 }
 
-json::Value CampaignEstimation::record_of(const estimation::Fitted& best) const {
-  return json::Value::object({{"time_s", pilot_.now()},
-                              {"version", best.version},
-                              {"trial", static_cast<std::int64_t>(best.trial)},
-                              {"cost", best.cost},
-                              {"values", best.values}});
-}
-
 /// With new rates the best points of before are tried first; until that is done, what was best before still counts.
 std::optional<estimation::Fitted> CampaignEstimation::known_best() const {
   const auto tried_first = static_cast<long>(2 * campaign_.estimation->parameters.size() + 4);
@@ -152,7 +163,7 @@ json::Value CampaignEstimation::adopted(json::Value pbm_case, const coupling::St
   if (campaign_.estimation->adopt != Estimation::Adopt::continuously) return pbm_case;
   const auto best = known_best();
   if (!best) return pbm_case;
-  json::Value record = record_of(*best);
+  json::Value record = estimating::record_of(*best, pilot_.now());
   record.set("burst", start.burst.folder()).set("attempt", start.attempt);
   if (const Status written = journal_.append(kAdopted, record); !written) return pbm_case;  // the next event says why
   note_(fmt::format("{} adopts {} (half sum of squares {:.4g})", start.burst.folder(),
@@ -162,17 +173,9 @@ json::Value CampaignEstimation::adopted(json::Value pbm_case, const coupling::St
 
 // ---- the final run
 
-/// Decided once: a resume goes on with the same.
-Result<std::vector<double>> CampaignEstimation::final_values() {
-  if (const auto written = journal_.records(kFinal); !written.empty()) return written.back().payload.numbers("values");
-  const auto best = known_best();
-  if (!best) return Error{"too few evaluations came to their end: there is no estimate."};
-  GRANARY_CHECK(journal_.append(kFinal, record_of(*best)));
-  return best->values;
-}
-
 void CampaignEstimation::finish(const coupling::State& state, std::function<void()> done) {
   stop_fillers("the coupling is over");
+  loop_.cancel(awaiting_);
   given_up_ = true;  // asks for nothing more
   if (const json::Value over = json::Value::object({{"time_s", pilot_.now()}}); journal_.records(kOver).empty())
     (void)journal_.append(kOver, over);
@@ -188,7 +191,7 @@ void CampaignEstimation::finish(const coupling::State& state, std::function<void
 /// The balance over the whole process with the parameters as estimated and the rates of each burst: a task a stretch,
 /// each from the end of the one before.
 Status CampaignEstimation::start_final_run(const coupling::State& state) {
-  GRANARY_TRY(const std::vector<double> values, final_values());
+  GRANARY_TRY(const std::vector<double> values, estimating::final_values(journal_, known_best(), pilot_.now()));
   GRANARY_TRY(const auto stretches, history(state));
   note_("the final run begins, with " + told_to_people(*campaign_.estimation, values));
   auto segments =

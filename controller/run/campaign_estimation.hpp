@@ -1,6 +1,7 @@
-// The estimation of a coupled campaign: idle cores work at it from the first rates on, each DEM burst makes it a new
-// problem, PBM bursts may adopt what it knows, and once the coupling is over the balance runs again with its result.
-// What to try is controller/estimation's; who runs where, the pilot's. docs/estimation.md#in-a-coupled-campaign
+// The estimation of a coupled campaign: idle cores work at it from the first rates on, those that the first DEM burst
+// counts while it still runs; each DEM burst that is over makes it a new problem, PBM bursts may adopt what it knows,
+// and once the coupling is over the balance runs again with its result. What to try is controller/estimation's; who
+// runs where, the pilot's. docs/estimation.md#in-a-coupled-campaign
 #pragma once
 
 #include <filesystem>
@@ -25,7 +26,7 @@ class CampaignEstimation final : public Companion {
   /// All must outlive it. `campaign` has an estimation; `dir` is the run directory, absolute; `programs` the folder of
   /// granary-pbm. `note` tells people.
   CampaignEstimation(const campaign::Campaign& campaign, std::filesystem::path dir, std::filesystem::path programs,
-                     FileHandover& handover, pilot::Pilot& pilot, pilot::Journal& journal,
+                     FileHandover& handover, pilot::Pilot& pilot, pilot::EventLoop& loop, pilot::Journal& journal,
                      std::function<void(const std::string&)> note);
 
   Status begin(const coupling::State& state) override;
@@ -42,23 +43,24 @@ class CampaignEstimation final : public Companion {
 
  private:
   Result<std::vector<estimating::Stretch>> history(const coupling::State& state);
-  Status work_on(const coupling::State& state);
+  void await_rates(const coupling::BurstId& dem_burst);
+  Status work_on(const std::vector<estimating::Stretch>& stretches);
   void submit_fillers();
   void stop_fillers(const std::string& reason);
   void give_up(const Error& error);
   std::optional<estimation::Fitted> known_best() const;
-  Result<std::vector<double>> final_values();
   Status start_final_run(const coupling::State& state);
-  json::Value record_of(const estimation::Fitted& best) const;
 
   const campaign::Campaign& campaign_;
   std::filesystem::path dir_, programs_;
   FileHandover& handover_;
   pilot::Pilot& pilot_;
+  pilot::EventLoop& loop_;
   pilot::Journal& journal_;
   std::function<void(const std::string&)> note_;
   estimating::Crew crew_;
   bool given_up_ = false;
+  pilot::TimerId awaiting_ = pilot::TimerId::none;  ///< of the next look for rates
   std::optional<estimation::Fitted> earlier_best_;  ///< of the last version before this one that was worked at enough
   std::map<int, pbm::DemRates> rates_;              ///< of each round's DEM burst
   std::set<std::string> fillers_;                   ///< submitted and not ended

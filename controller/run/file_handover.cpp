@@ -216,9 +216,17 @@ std::string FileHandover::last_words(const pilot::TaskEnd& program) {
 }
 
 Result<coupling::MeasuredRates> FileHandover::rates_of(const BurstId& dem_burst) const {
+  return measured(dem_burst, campaign_->coupling.grace);
+}
+
+Result<coupling::MeasuredRates> FileHandover::rates_so_far(const BurstId& dem_burst) const {
+  return measured(dem_burst, 0.0);
+}
+
+Result<coupling::MeasuredRates> FileHandover::measured(const BurstId& dem_burst, double grace) const {
   GRANARY_TRY(const json::Value sampled, json::read_file(folder(dem_burst) / kSampled));
   coupling::RateSettings settings;
-  settings.grace = campaign_->coupling.grace;
+  settings.grace = grace;
   settings.law = law_of(campaign_->dem.carry_back);
   settings.class_diameter = sampled.numbers("class_diameter_m");
   return coupling::measure_burst(folder(dem_burst), campaign_->pbm_case.compartments.volume, settings);

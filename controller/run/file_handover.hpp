@@ -32,12 +32,15 @@ class FileHandover final : public Handover {
   pilot::TaskSpec pbm_task() const;
   /// The rates a DEM burst gave, measured anew from its tallies.
   Result<coupling::MeasuredRates> rates_of(const coupling::BurstId& dem_burst) const;
+  /// What one that is still running has counted so far, its first windows too. Error: nothing yet.
+  Result<coupling::MeasuredRates> rates_so_far(const coupling::BurstId& dem_burst) const;
 
  private:
   std::filesystem::path folder(const coupling::BurstId& burst) const;
   Result<pilot::TaskSpec> prepare_dem(const coupling::StartBurst& start) const;
   Result<pilot::TaskSpec> prepare_pbm(const coupling::StartBurst& start) const;
   pilot::TaskSpec monitor_task(const coupling::BurstId& burst, int attempt) const;
+  Result<coupling::MeasuredRates> measured(const coupling::BurstId& dem_burst, double grace) const;
   Result<coupling::HoldUp> hold_up_for(const coupling::StartBurst& start) const;
 
   const campaign::Campaign* campaign_;

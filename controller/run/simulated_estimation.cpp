@@ -6,8 +6,9 @@ namespace granary::run {
 
 /// From the first rates on there is work, and as much of it as cores fall idle.
 void SimulatedEstimation::told(const coupling::Event& event, const coupling::State& state) {
-  if (state.ended || !std::holds_alternative<coupling::DemExchanged>(event)) return;
-  submit();
+  const auto* started = std::get_if<coupling::TaskStarted>(&event);
+  if (state.ended || started == nullptr || submitted_ > 0) return;
+  if (started->burst.kind == coupling::Kind::dem) loop_.after(first_rates_, [this] { submit(); });
 }
 
 void SimulatedEstimation::submit() {

@@ -8,7 +8,9 @@ namespace granary::run {
 
 class SimulatedEstimation final : public Companion {
  public:
-  explicit SimulatedEstimation(pilot::Pilot& pilot) : pilot_(pilot) {}
+  /// `first_rates`: how long the first DEM burst runs before it has counted anything [s].
+  SimulatedEstimation(pilot::Pilot& pilot, pilot::EventLoop& loop, double first_rates)
+      : pilot_(pilot), loop_(loop), first_rates_(first_rates) {}
 
   Status begin(const coupling::State&) override { return {}; }
   void told(const coupling::Event& event, const coupling::State& state) override;
@@ -19,6 +21,8 @@ class SimulatedEstimation final : public Companion {
   void submit();
 
   pilot::Pilot& pilot_;
+  pilot::EventLoop& loop_;
+  double first_rates_;
   int submitted_ = 0, open_ = 0;
   bool over_ = false;
 };
