@@ -4,10 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
+#include "common/math/percentile.hpp"
+#include "controller/bench/idle_cores.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/run_program.hpp"
@@ -78,6 +81,24 @@ Result<Value> row_of(const EstimationBench& bench, estimation::Method method, in
       .set("real_evaluations", std::int64_t{real.evaluations});
 }
 
+/// From the start of granary-pbm evaluate to its first evaluation: it is given none, and ends [s].
+Result<double> evaluator_start_up(const fs::path& dir) {
+  GRANARY_TRY(const Value twin, run_json({granary_pbm(), "bench", "twins", "--parameters", "2", "--write"}));
+  const fs::path problem = dir / "problem.json", trials = dir / "trials.json", out = dir / "out.jsonl";
+  GRANARY_CHECK(json::write_file(problem, twin["problem"]));
+  GRANARY_CHECK(json::write_file(trials, Value::object({{"trials", Value::array()}})));
+  std::vector<double> seconds;
+  for (int k = 0; k < 9; ++k) {
+    const auto began = std::chrono::steady_clock::now();
+    GRANARY_TRY(const pilot::ProgramOutput ended, pilot::run_program({granary_pbm(), "evaluate", problem.string(),
+                                                                      trials.string(), "--out", out.string()},
+                                                                     "", kTimeout));
+    if (ended.exit_code != 0) return Error{"granary-pbm evaluate: " + ended.err, Exit::task_failed};
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+  }
+  return median(seconds);
+}
+
 /// The workflow without its estimation, and with it but without the final run that would follow.
 Result<Value> coupled(const EstimationBench& bench, const std::function<void(const std::string&)>& say) {
   GRANARY_TRY(Value document, json::read_file(bench.workflow));
@@ -87,15 +108,18 @@ Result<Value> coupled(const EstimationBench& bench, const std::function<void(con
   const std::string granary = (program_folder() / "granary").string();
   const int rounds = by_effort(bench.effort, 1, 1, 3);
   std::vector<Value> on, off;
+  std::vector<IdleCores> idle;
   for (int k = 0; k < rounds; ++k) {
     say(fmt::format("{} off and on, {} of {}", bench.workflow.filename().string(), k + 1, rounds));
     GRANARY_TRY(Value one, run_json({granary, "run", without.string(), "--dir",
                                      (bench.dir / fmt::format("off-{}", k)).string(), "--json", "--quiet"}));
     off.push_back(std::move(one));
-    GRANARY_TRY(Value other, run_json({granary, "run", bench.workflow.string(), "--dir",
-                                       (bench.dir / fmt::format("on-{}", k)).string(), "--json", "--quiet", "--set",
-                                       "/estimation/adopt=\"never\""}));
+    const fs::path dir = bench.dir / fmt::format("on-{}", k);
+    GRANARY_TRY(Value other, run_json({granary, "run", bench.workflow.string(), "--dir", dir.string(), "--json",
+                                       "--quiet", "--set", "/estimation/adopt=\"never\""}));
     on.push_back(std::move(other));
+    GRANARY_TRY(IdleCores seen, idle_cores_of(dir / "journal.jsonl"));
+    idle.push_back(std::move(seen));
   }
   const auto least = [](const std::vector<Value>& runs) {
     return *std::min_element(runs.begin(), runs.end(), [](const Value& a, const Value& b) {
@@ -103,13 +127,16 @@ Result<Value> coupled(const EstimationBench& bench, const std::function<void(con
     });
   };
   const Value best_on = least(on), best_off = least(off);
-  return Value::object({{"workflow", bench.workflow.string()},
-                        {"rounds", rounds},
-                        {"on_s", best_on["wall_s"]},
-                        {"off_s", best_off["wall_s"]},
-                        {"slowdown", best_on["wall_s"].as_number() / best_off["wall_s"].as_number() - 1.0},
-                        {"core_use_on", best_on["core_use"]},
-                        {"core_use_off", best_off["core_use"]}});
+  GRANARY_TRY(const double start_up, evaluator_start_up(bench.dir));
+  Value seen = to_json(idle);
+  return seen.set("evaluator_start_up_ms", 1e3 * start_up)
+      .set("workflow", bench.workflow.string())
+      .set("rounds", rounds)
+      .set("on_s", best_on["wall_s"])
+      .set("off_s", best_off["wall_s"])
+      .set("slowdown", best_on["wall_s"].as_number() / best_off["wall_s"].as_number() - 1.0)
+      .set("core_use_on", best_on["core_use"])
+      .set("core_use_off", best_off["core_use"]);
 }
 
 }  // namespace
@@ -154,11 +181,25 @@ std::string estimation_table(const Value& document) {
   const Value& product = document["product"];
   text += fmt::format("\nProduct: {:.0f} % of {} seeds warned: \"{}\"\n", 100.0 * product["warned_share"].as_number(),
                       product["seeds"].as_integer(), product["warning"].as_string());
-  if (!document["coupled_slowdown"].is_null())
-    text += fmt::format(
-        "\nCoupled campaign with estimation: {:+.1f} % of its time; core use {:.0f} % instead of {:.0f} %\n",
-        100.0 * document["coupled_slowdown"].as_number(), 100.0 * document["core_use_on"].as_number(),
-        100.0 * document["core_use_off"].as_number());
+  if (document["coupled_slowdown"].is_null()) return text;
+  text +=
+      fmt::format("\nCoupled campaign with estimation: {:+.1f} % of its time; core use {:.0f} % instead of {:.0f} %\n",
+                  100.0 * document["coupled_slowdown"].as_number(), 100.0 * document["core_use_on"].as_number(),
+                  100.0 * document["core_use_off"].as_number());
+  const Value& coupled = document["coupled"];
+  text += "\n| [ms] | median | 99 % | most | times |\n|---|---|---|---|---|\n";
+  for (const auto& [key, what] :
+       {std::pair{"put_to_work_ms", "a core falls idle -> an evaluation's process has begun there"},
+        {"given_back_ms", "a filler is told to give way -> the burst's program has begun"}})
+    text += fmt::format("| {} | {:.1f} | {:.1f} | {:.1f} | {} |\n", what, coupled[key]["p50"].as_number(),
+                        coupled[key]["p99"].as_number(), coupled[key]["most"].as_number(),
+                        coupled[key]["times"].as_integer());
+  const Value& idle = coupled["idle_core_s"];
+  text += fmt::format(
+      "\nthe process evaluates {:.0f} ms after its begin. Core seconds idle, of {} campaigns: {:.2f} before the "
+      "first rates, {:.2f} at switches, {:.2f} after the last on a core\n",
+      coupled["evaluator_start_up_ms"].as_number(), coupled["rounds"].as_integer(), idle["before_rates"].as_number(),
+      idle["at_switches"].as_number(), idle["afterwards"].as_number());
   return text;
 }
 
