@@ -16,8 +16,8 @@
 
 namespace granary::sweep {
 
-/// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + sum_k c_k ln(setting_k)), or, by impacts, with one
-/// c ln(P), P the power [W] that what breaks gives each sphere, instead of the settings: known of a case that was run.
+/// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + c_3 ln P), P the power [W] that what breaks gives
+/// each sphere, known of a case that was run; or, by settings, with sum_k c_k ln(setting_k) instead.
 struct BreakageKernel {
   struct CauseLaw {
     std::string cause;  ///< "chopper"; "others": of those with too few splits for a law of their own
@@ -42,7 +42,7 @@ struct BreakageKernel {
 
 /// Fitted to the cases that are not held out. Errors: nothing broke; settings that the cases do not tell apart.
 Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const std::vector<std::string>& settings,
-                                  KernelOptions::By by = KernelOptions::By::settings);
+                                  KernelOptions::By by);
 /// What its coefficients stand before: "1", "ln(spheres/37)", ...
 std::vector<std::string> features_of(const BreakageKernel& kernel);
 

@@ -240,7 +240,7 @@ TEST(Sweep, RepeatsEachCaseWithSeedsOfItsOwn) {
   EXPECT_THAT(twice.error().message, HasSubstr("/dem/seed is swept already"));
 }
 
-TEST(BreakageKernelOfASweep, GoesByWhatHitsWhenAsked) {
+TEST(BreakageKernelOfASweep, GoesByWhatHits) {
   const auto tallies = {line(R"({"speed_edges_m_s": [1, 2, 4], "window_s": 0.5})"),
                         line(R"({"window_s": 0.5, "particles": [[10]], "collision_speed": {"histogram": [3, 1]},
                "loads": {"impeller": {"power_W": 2.0}, "chopper": {"power_W": 0.5}}})")};
@@ -280,7 +280,7 @@ TEST(BreakageKernelOfASweep, HasTheRatesAndDaughtersThatItsCasesHad) {
   for (ResolvedCase& one : cases)
     for (const auto& apart : estimation::by_agglomerate(one.history, 8))
       one.agglomerates.push_back(estimation::sums_of(apart, estimation::size_bounds(8)));
-  const auto kernel = fit_kernel(cases, {"speed"});
+  const auto kernel = fit_kernel(cases, {"speed"}, KernelOptions::By::settings);
 
   ASSERT_TRUE(kernel) << kernel.error().message;
   const auto slow = kernel->table(cases[0]), fast = kernel->table(cases[1]);

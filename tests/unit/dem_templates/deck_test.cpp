@@ -155,6 +155,19 @@ TEST(InputScript, AgglomeratesTakeThePlaceOfThePopulation) {
   EXPECT_THAT(script_of(a_bowl()), Not(HasSubstr("granary/bond")));
 }
 
+TEST(InputScript, AgglomeratesLeaveAStateEachWindowAndGoOnFromIt) {
+  DemCase c = a_bowl();
+  c.agglomerates = Agglomerates{};
+  c.settle_time = 0.1;
+  c.duration = 1.0;
+  const std::string end = "110000 upto every 1000 \"write_restart restart.part\"";
+
+  EXPECT_THAT(script_of(c), AllOf(HasSubstr(end), HasSubstr("granary/agglomerates"), Not(HasSubstr("goes_on"))));
+  c.restart = "restart.liggghts";
+  EXPECT_THAT(script_of(c), AllOf(HasSubstr(end), HasSubstr("read_restart  restart.liggghts"), HasSubstr("goes_on yes"),
+                                  HasSubstr("granary/bond"), Not(HasSubstr("granary/agglomerates"))));
+}
+
 TEST(NeighbourSkin, StaysWithinTheParticlesSize) {
   DemCase c = a_stock_case();
   for (double speed : {0.0, 20.0, 209.0, 2000.0}) {
