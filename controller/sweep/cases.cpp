@@ -20,6 +20,7 @@ pilot::TaskSpec dem_task(const Campaign& one, const fs::path& programs) {
   pilot::TaskSpec task;
   task.command = {(programs / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
   task.ranks = one.dem_case.ranks;
+  task.resumable = true;
   task.produces = {kState, "tallies.jsonl", "fragments.jsonl"};
   return task;
 }
