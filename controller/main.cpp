@@ -142,8 +142,8 @@ int main(int argc, char** argv) {
       "--held-out", kernel_command.held_out,
       "A case (0007) or a value of a setting (\"200 rpm\") that is not fitted, only compared (may be repeated)");
   kernel->add_option("--from", kernel_command.from, "Leave out what breaks before this time [s]");
-  kernel->add_flag("--by-settings", kernel_command.by_settings,
-                   "Rates go by the sweep's settings, not by the power that impacts bring, as measured in each case");
+  kernel->add_flag("--by-impacts", kernel_command.by_impacts,
+                   "Rates go by the power that impacts bring, as measured in each case, not by its settings");
   kernel->add_flag("--json", kernel_command.json, "Print one JSON document on stdout and nothing else");
   kernel->callback([&] { chosen = [&] { return commands::kernel(kernel_command); }; });
 

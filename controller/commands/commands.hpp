@@ -91,7 +91,7 @@ struct KernelCommand {
   std::filesystem::path dir;          ///< of a sweep of a DEM with agglomerates, over or not
   std::vector<std::string> held_out;  ///< cases, or values of settings, that are only compared
   double from = 0.0;                  ///< [s]
-  bool by_settings = false;           ///< rates go by the settings, not by what hits, as measured
+  bool by_impacts = false;            ///< rates go by what hits, as measured, not by the settings
   bool json = false;
 };
 /// DIR/kernel: a breakage kernel made of the sweep's fragments, and how well a balance with it does.

@@ -71,7 +71,7 @@ Result<Exit> kernel(const KernelCommand& command) {
   GRANARY_TRY(const campaign::Campaign campaign, campaign::read_written_campaign(dir / "campaign.json"));
   std::vector<std::string> settings;
   GRANARY_TRY(const auto cases, sweep::resolved_cases(campaign, dir, {command.held_out, command.from}, settings));
-  const auto by = command.by_settings ? sweep::KernelOptions::By::settings : sweep::KernelOptions::By::impacts;
+  const auto by = command.by_impacts ? sweep::KernelOptions::By::impacts : sweep::KernelOptions::By::settings;
   GRANARY_TRY(const auto kernel, sweep::fit_kernel(cases, settings, by));
   const fs::path folder = dir / "kernel";
   std::vector<sweep::Comparison> comparisons;

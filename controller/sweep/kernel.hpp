@@ -16,8 +16,8 @@
 
 namespace granary::sweep {
 
-/// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + c_3 ln P), P the power [W] that what breaks gives
-/// each sphere, known of a case that was run; or, by settings, with sum_k c_k ln(setting_k) instead.
+/// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + sum_k c_k ln(setting_k)), or, by impacts, with one
+/// c ln(P), P the power [W] that what breaks gives each sphere, instead of the settings: known of a case that was run.
 struct BreakageKernel {
   struct CauseLaw {
     std::string cause;  ///< "chopper"; "others": of those with too few splits for a law of their own

@@ -240,7 +240,7 @@ TEST(Sweep, RepeatsEachCaseWithSeedsOfItsOwn) {
   EXPECT_THAT(twice.error().message, HasSubstr("/dem/seed is swept already"));
 }
 
-TEST(BreakageKernelOfASweep, GoesByWhatHits) {
+TEST(BreakageKernelOfASweep, GoesByWhatHitsWhenAsked) {
   const auto tallies = {line(R"({"speed_edges_m_s": [1, 2, 4], "window_s": 0.5})"),
                         line(R"({"window_s": 0.5, "particles": [[10]], "collision_speed": {"histogram": [3, 1]},
                "loads": {"impeller": {"power_W": 2.0}, "chopper": {"power_W": 0.5}}})")};
