@@ -72,7 +72,7 @@ std::string x_axis(const LinePlot& plot) {
 void add_marks(std::string& script, const LinePlot& plot) {
   if (plot.x.empty()) return;
   const auto [low, high] = std::minmax_element(plot.x.begin(), plot.x.end());
-  const double nearest = 0.035 * (*high - *low);  // texts closer than this would run into each other
+  const double nearest = 0.05 * (*high - *low);  // texts closer than this would run into each other
   double last_text = -std::numeric_limits<double>::infinity();
   for (const auto& mark : plot.marks) {
     if (!std::isfinite(mark.x)) continue;

@@ -92,7 +92,7 @@ void Integrator::begin(std::span<const double> state, Inputs inputs, double h) {
 double Integrator::limit_first_stage(std::span<const double> state, Inputs inputs, double h) {
   h = smallest(small_.limit_by_emptying(first_rates_, h));
   h = smallest(small_.limit_by_filling(first_rates_, h));
-  const bool any = small_.slow_down(first_rates_, h);
+  const bool any = small_.slow_down(h);
   if (method_->implicit()) stiff_.slow_down(small_.participation());
   if (smallest(any ? 0.0 : 1.0) == 0.0) {
     evaluate(state, small_.participation(), inputs, e_[0]);

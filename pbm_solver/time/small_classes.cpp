@@ -144,14 +144,15 @@ double SmallClasses::limit_by_filling(std::span<const double> rates, double h) {
   return limit;
 }
 
-bool SmallClasses::slow_down(std::span<const double> rates, double h) {
+bool SmallClasses::slow_down(double h) {
   participation_.clear();
   if (!is_fast(caution_ * h, fastest_)) return false;
   mark_sizes();
   bool any = false;
-  for_each_fast(caution_ * h, [&](std::size_t at, std::size_t x, std::size_t k) {
-    // Dust in any case: its births may stop in a later stage.
-    if (sizes_[at] == Size::large || (sizes_[at] == Size::small && !emptied(rates, x, k, h))) return;
+  for_each_fast(caution_ * h, [&](std::size_t at, std::size_t, std::size_t) {
+    // Also those whose births make up for it now: the births may stop in a later stage, and repeating the step costs
+    // as much as the step (half of all right-hand sides, where a spray wets class after class).
+    if (sizes_[at] == Size::large) return;
     if (!any) participation_.assign(row_->class_values(), 1.0);
     participation_[at] = kMargin / (0.5 * caution_ * h * loss_[at]);
     any = true;

@@ -11,9 +11,10 @@
 namespace granary::pbm {
 
 /// A class that an Euler step of half the step would empty limits the step, unless it is among the smallest, which
-/// together hold at most a tenth of the tolerance of their compartment's solids: such a class takes part in
-/// aggregation and breakage by a factor < 1 during this step (births and deaths alike, so the balance stays closed),
-/// that is, what it should hand on is delayed by up to a step. Rates taken implicitly do not count.
+/// together hold at most a tenth of the tolerance of their compartment's solids: of these, the ones that lose what they
+/// hold within the step take part in aggregation and breakage by a factor < 1 during it (births and deaths alike, so
+/// the balance stays closed), that is, what they should hand on is delayed by up to a step. Rates taken implicitly do
+/// not count.
 class SmallClasses {
  public:
   SmallClasses(const CompartmentRow& row, double tolerance);
@@ -29,7 +30,7 @@ class SmallClasses {
   /// would fill up over long steps and have to be emptied in very short ones.
   double limit_by_filling(std::span<const double> rates, double h);
   /// Slows down for a step of h; false if no class of this rank is.
-  bool slow_down(std::span<const double> rates, double h);
+  bool slow_down(double h);
   /// Factor of each class [block][class][lane]; empty: 1.
   std::span<const double> participation() const { return participation_; }
 
