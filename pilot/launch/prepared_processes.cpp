@@ -131,6 +131,9 @@ std::optional<Spawned> PreparedProcesses::start(const SpawnRequest& request) {
     child->request.stdin_fd = child->request.stdout_fd = child->request.stderr_fd = 0;  // its /dev/null
     const std::uint64_t ticks = slot->ticks != 0 ? slot->ticks : start_ticks(slot->pid);
     Spawned process{slot->pid, slot->pidfd, ticks, std::move(child)};
+    // It wakes up where it is to run: one that moves itself there queues behind what runs. (It tries again itself, and
+    // tells if it may not.)
+    if (!request.cpus.empty()) (void)sched_setaffinity(slot->pid, sizeof process.child->cpus, &process.child->cpus);
     slot->child = process.child.get();
     slot->phase = taken;
     wake(slot->phase);
