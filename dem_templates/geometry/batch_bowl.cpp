@@ -61,7 +61,7 @@ Mesh bowl_impeller(const BatchBowl& b, int refinement) {
   return mesh;
 }
 
-Rotation bowl_chopper_rotation(const BatchBowl& b, double speed) { return {bowl_shafts(b).chopper, Axis::x, speed}; }
+Axle bowl_chopper_rotation(const BatchBowl& b, double speed) { return {bowl_shafts(b).chopper, Axis::x, speed}; }
 
 Mesh bowl_chopper(const BatchBowl& b, int refinement) {
   const BowlShafts shafts = bowl_shafts(b);

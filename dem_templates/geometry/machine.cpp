@@ -80,7 +80,7 @@ Result<std::vector<Body>> bodies(const Machine& machine) {
               own_or(machine.impeller_stl, mixer ? mixer_impeller(machine.mixer, n) : bowl_impeller(machine.bowl, n)));
   std::vector<Body> all;
   all.push_back({"shell", std::move(shell), std::nullopt});
-  all.push_back({"impeller", std::move(impeller), Rotation{{}, axis_of(machine), machine.impeller_speed}});
+  all.push_back({"impeller", std::move(impeller), Axle{{}, axis_of(machine), machine.impeller_speed}});
   if (!mixer)
     all.push_back(
         {"chopper", bowl_chopper(machine.bowl, n), bowl_chopper_rotation(machine.bowl, machine.chopper_speed)});

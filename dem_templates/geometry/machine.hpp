@@ -13,7 +13,7 @@
 namespace granary::dem {
 
 /// Turning about a line [rad/s]; positive by the right-hand rule.
-struct Rotation {
+struct Axle {
   Vec3 point;
   Axis axis = Axis::x;
   double speed = 0.0;
@@ -22,7 +22,7 @@ struct Rotation {
 struct Body {
   std::string name;  ///< "shell", "impeller", "chopper": the name in tallies.jsonl and of the STL file
   Mesh mesh;
-  std::optional<Rotation> rotation;  ///< none: it stands still
+  std::optional<Axle> rotation;  ///< none: it stands still
 };
 
 /// The machine's bodies, each closed, looking outwards. `Machine::refinement` n: n times as many sides of round bodies,
@@ -37,7 +37,7 @@ Mesh bowl_impeller(const BatchBowl& bowl, int refinement = 1);
 Mesh bowl_chopper(const BatchBowl& bowl, int refinement = 1);
 std::vector<Blade> mixer_blades(const HorizontalMixer& mixer);
 std::vector<Blade> bowl_blades(const BatchBowl& bowl);
-Rotation bowl_chopper_rotation(const BatchBowl& bowl, double speed);
+Axle bowl_chopper_rotation(const BatchBowl& bowl, double speed);
 
 /// The round parts of the bowl's rotors: the hub around z, up to hub_top, and the chopper's shaft along x, from
 /// chopper_from into the wall. [m]

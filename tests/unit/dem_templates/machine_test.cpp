@@ -10,7 +10,7 @@
 namespace granary::dem {
 namespace {
 
-Machine a_bowl() {
+Machine bowl_machine() {
   Machine bowl;
   bowl.type = Machine::Type::batch_bowl;
   bowl.impeller_speed = 20.0;
@@ -18,7 +18,7 @@ Machine a_bowl() {
   return bowl;
 }
 
-double furthest_from(const Mesh& mesh, const Rotation& axle) {
+double furthest_from(const Mesh& mesh, const Axle& axle) {
   double r = 0.0;
   for (Vec3 p : mesh.vertex) {
     const Vec3 d = p - axle.point;
@@ -30,7 +30,7 @@ double furthest_from(const Mesh& mesh, const Rotation& axle) {
 double sum(const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0); }
 
 TEST(Machine, EveryBodyIsClosedAndLooksOutwardsAtEveryRefinement) {
-  for (Machine machine : {Machine{}, a_bowl()})
+  for (Machine machine : {Machine{}, bowl_machine()})
     for (int n : {1, 2, 3}) {
       machine.refinement = n;
       const auto all = bodies(machine);
@@ -43,7 +43,7 @@ TEST(Machine, EveryBodyIsClosedAndLooksOutwardsAtEveryRefinement) {
 }
 
 TEST(Machine, OrdersShellImpellerAndChopper) {
-  const auto all = bodies(a_bowl());
+  const auto all = bodies(bowl_machine());
   ASSERT_TRUE(all);
   ASSERT_EQ(all->size(), 3u);
   EXPECT_EQ((*all)[0].name, "shell");
@@ -136,7 +136,7 @@ TEST(Machine, NothingOfTheImpellerTouchesTheCasing) {
   for (Vec3 p : mixer_impeller(m).vertex) EXPECT_LT(std::hypot(p.y, p.z), casing_radius(m, p.x));
   for (Vec3 p : bowl_impeller({}).vertex) EXPECT_LE(std::hypot(p.x, p.y), 0.0396 + 1e-12);
   // The chopper is inside of the bowl but for its shaft, and above the impeller's blades.
-  const Rotation axle = bowl_chopper_rotation({}, 0);
+  const Axle axle = bowl_chopper_rotation({}, 0);
   for (Vec3 p : bowl_chopper({}).vertex) {
     if (furthest_from(Mesh{{p}, {}}, axle) < 0.004) continue;
     EXPECT_LT(std::hypot(p.x, axle.point.y + 0.011), 0.040);
@@ -145,7 +145,7 @@ TEST(Machine, NothingOfTheImpellerTouchesTheCasing) {
 }
 
 TEST(Machine, CompartmentsTakeTheWholeMachineWhateverTheirNumber) {
-  for (const Machine& machine : {Machine{}, a_bowl()}) {
+  for (const Machine& machine : {Machine{}, bowl_machine()}) {
     const double whole = sum(compartment_volume(machine, 1));
     for (int n : {2, 4, 16}) {
       const auto edges = compartment_edges(machine, n);
@@ -170,7 +170,7 @@ TEST(Machine, TheMixersBedVolumeIsTheAnnulusLessTheBlades) {
 
 TEST(Machine, TipSpeedAt2000RpmIsTwelveMetresPerSecond) {
   EXPECT_NEAR(tip_speed(Machine{}), 2000.0 / 60 * kPi * 0.114, 1e-3);
-  EXPECT_NEAR(tip_speed(a_bowl()), 300.0 * 0.011, 1e-12);  // the chopper's is the faster one
+  EXPECT_NEAR(tip_speed(bowl_machine()), 300.0 * 0.011, 1e-12);  // the chopper's is the faster one
 }
 
 TEST(Machine, AUsersMeshThatIsMissingIsAnErrorThatNamesIt) {
