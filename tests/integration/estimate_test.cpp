@@ -17,7 +17,6 @@ using test::Background;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kGranary = (test::kPrograms / "granary").string();
 const std::string kTwin = (test::kSource / "workflows" / "estimate_twin.json").string();
 
 class Estimate : public ::testing::Test {
@@ -65,7 +64,7 @@ void expect_found(const Value& report) {
 
 TEST_F(Estimate, FindsWhatWasHiddenAfterAStopAndAKill) {
   {
-    Background first({kGranary, "estimate", kTwin, "--dir", dir, "--cores", "2", "--quiet", "--set",
+    Background first({test::kGranary, "estimate", kTwin, "--dir", dir, "--cores", "2", "--quiet", "--set",
                       "/estimation/most_evaluations=400", "--set", "/outputs/report=false"});
     ASSERT_TRUE(waits_for(30));
     first.signal(SIGINT);
@@ -74,7 +73,7 @@ TEST_F(Estimate, FindsWhatWasHiddenAfterAStopAndAKill) {
   const auto before = trials();
   EXPECT_THAT(test::granary({"status", dir}).out, HasSubstr("granary resume"));
   {
-    Background second({kGranary, "resume", dir, "--quiet"});
+    Background second({test::kGranary, "resume", dir, "--quiet"});
     ASSERT_TRUE(waits_for(before.size() + 60));
     second.signal(SIGKILL);
     EXPECT_EQ(128 + SIGKILL, second.exit_code());

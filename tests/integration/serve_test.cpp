@@ -22,8 +22,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string kGranary = (test::kPrograms / "granary").string();
-
 /// A connection to a port of ours.
 class Client {
  public:
@@ -76,10 +74,10 @@ class Serve : public ::testing::Test {
       {"name": "the-long-one", "command": ["sleep", "60"]},
       {"name": "the-short-one", "command": ["sleep", "2.5"]}]})";
     campaign = std::make_unique<Background>(
-        std::vector<std::string>{kGranary, "run", file, "--dir", dir, "--cores", "2", "--quiet"});
+        std::vector<std::string>{test::kGranary, "run", file, "--dir", dir, "--cores", "2", "--quiet"});
     for (int tries = 0; tries < 100 && test::granary({"explain", dir, "the-long-one"}).exit_code != 0; ++tries)
       usleep(20'000);
-    server = std::make_unique<Background>(std::vector<std::string>{kGranary, "serve", dir});
+    server = std::make_unique<Background>(std::vector<std::string>{test::kGranary, "serve", dir});
     ASSERT_TRUE(server->says("\n")) << "the address is printed";
     url = server->output().substr(0, server->output().find('\n'));
     ASSERT_THAT(url, StartsWith("http://127.0.0.1:"));

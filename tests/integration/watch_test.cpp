@@ -14,8 +14,6 @@ using test::Background;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kGranary = (test::kPrograms / "granary").string();
-
 class Watch : public ::testing::Test {
  protected:
   test::Scratch scratch;
@@ -24,7 +22,7 @@ class Watch : public ::testing::Test {
   std::vector<std::string> run(const std::string& tasks) const {
     const auto file = (scratch / "workflow.json").string();
     std::ofstream(file) << R"({"granary": 1, "kind": "tasks", "name": "list", "tasks": [)" << tasks << "]}";
-    return {kGranary, "run", file, "--dir", dir, "--cores", "2", "--quiet"};
+    return {test::kGranary, "run", file, "--dir", dir, "--cores", "2", "--quiet"};
   }
   bool is_alive() const { return test::granary_json({"status", dir, "--json"})["alive"].as_bool(); }
 };
@@ -33,7 +31,7 @@ constexpr const char* kShort =
     R"({"name": "first", "command": ["sleep", "0.3"]}, {"name": "second", "command": ["sleep", "0.5"], "after": ["first"]})";
 
 TEST_F(Watch, StartedBeforeTheCampaignPrintsLinesAndEndsWithIt) {
-  Background watch({kGranary, "watch", dir});
+  Background watch({test::kGranary, "watch", dir});
   Background campaign(run(kShort));
 
   EXPECT_TRUE(watch.says("first finished"));
@@ -57,7 +55,7 @@ TEST_F(Watch, EndsWithTheExitCodeOfACampaignThatIsOver) {
 
 TEST_F(Watch, OnATerminalDrawsWithoutFlickerFollowsItsSizeAndLeavesEverythingAsItWas) {
   Background campaign(run(R"({"name": "long-one", "command": ["sleep", "60"]})"));
-  Background watch({kGranary, "watch", dir}, Background::On::terminal,
+  Background watch({test::kGranary, "watch", dir}, Background::On::terminal,
                    {"TERM=xterm-256color", "LANG=C.UTF-8", "NO_COLOR="});
   ASSERT_TRUE(watch.says("long-one")) << watch.output();
   EXPECT_THAT(watch.output(), HasSubstr("\033[?1049h")) << "the alternate screen";
@@ -87,7 +85,7 @@ TEST_F(Watch, OnATerminalDrawsWithoutFlickerFollowsItsSizeAndLeavesEverythingAsI
 
 TEST_F(Watch, OnATerminalEndsWithTheCampaignAndHasNoColourIfNoneIsWanted) {
   Background campaign(run(kShort));
-  Background watch({kGranary, "watch", dir}, Background::On::terminal,
+  Background watch({test::kGranary, "watch", dir}, Background::On::terminal,
                    {"TERM=xterm", "LANG=C", "LC_ALL=C", "NO_COLOR=1"});
 
   EXPECT_EQ(0, watch.exit_code());

@@ -5,11 +5,10 @@
 
 namespace granary::dem::test {
 
-constexpr double kDensity = 1000.0, kRadius = 0.002, kSpacing = 0.0041;  // spheres of 4 mm that do not touch
-constexpr double kNormal = 1e9, kShear = 4e8, kBondRadius = 0.0016;      // [N/m^3], [N/m^3], [m]
+constexpr double kSpacing = 0.0041;                                  // of spheres of 4 mm that do not touch
+constexpr double kNormal = 1e9, kShear = 4e8, kBondRadius = 0.0016;  // [N/m^3], [N/m^3], [m]
 constexpr double kArea = kPi * kBondRadius * kBondRadius;
 constexpr double kSecondMoment = 0.25 * kArea * kBondRadius * kBondRadius;
-constexpr double kMass = kDensity * 4.0 / 3.0 * kPi * kRadius * kRadius * kRadius;
 constexpr double kInertia = 0.4 * kMass * kRadius * kRadius;
 constexpr double kUnbreakable = 1e30;
 
@@ -33,6 +32,7 @@ struct BondBox {
   std::string state = "-0.06 0.06 -0.06 0.06 -0.03 0.06";  ///< a box, or the name of a restart file
   std::string boundary = "f f f", more;
 };
+const BondBox kSlowBox{.time_step = 2e-5};  // for bonds in slow motion
 
 /// Type 1: particles, type 2: walls. Nothing moves yet.
 inline std::string bond_head(const BondBox& b) {

@@ -43,17 +43,15 @@ double frequency_of_chain() {
   return 1.0 / std::sqrt(value);
 }
 
-const BondBox kBox{.time_step = 2e-5};
-
 TEST(Bond, ACantileverBendsAndSwingsAsBeamTheorySays) {
   const double force = 3e-5, frequency = frequency_of_chain();
   const Folder folder;
   std::ostringstream deck;
-  deck << bond_head(kBox) << Bonds{}.fix() << chain(kBonds) << "fix integrate moving nve/sphere\n"
+  deck << bond_head(kSlowBox) << Bonds{}.fix() << chain(kBonds) << "fix integrate moving nve/sphere\n"
        << "fix load tip addforce 0 0 " << force << "\nfix settle moving viscous " << 2.0 * kMass * frequency << "\n"
-       << "run " << std::lround(16.0 / frequency / kBox.time_step) << "\n"
+       << "run " << std::lround(16.0 / frequency / kSlowBox.time_step) << "\n"
        << print({"z[" + std::to_string(kBonds + 1) + "]"}, 1) << "run 1\nunfix load\nunfix settle\nrun "
-       << std::lround(5.3 * 2.0 * kPi / frequency / kBox.time_step) << "\n";
+       << std::lround(5.3 * 2.0 * kPi / frequency / kSlowBox.time_step) << "\n";
   ASSERT_EQ(run_deck(folder, deck.str()), 0) << folder.read("err");
   const auto rows = read_printed(folder);
 
@@ -67,7 +65,7 @@ TEST(Bond, ACantileverBendsAndSwingsAsBeamTheorySays) {
       crossings.push_back(static_cast<double>(k) + rows[k][0] / (rows[k - 1][0] - rows[k][0]));
   ASSERT_GE(crossings.size(), 5u);
   const double period =
-      (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) * kBox.time_step;
+      (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) * kSlowBox.time_step;
   const double measured = 2.0 * kPi / period;
   EXPECT_NEAR(measured / frequency, 1.0, 2e-3);
   // A beam of kBonds masses with half a mass more at its tip (S. Timoshenko, Vibration Problems in Engineering).
@@ -80,13 +78,13 @@ TEST(Bond, AChainTwistsAsAShaft) {
   const int steps = 2500;
   const Folder folder;
   std::ostringstream deck;
-  deck << bond_head(kBox) << Bonds{.damping = 0.3}.fix() << chain(kBonds) << "fix integrate inner nve/sphere\n"
+  deck << bond_head(kSlowBox) << Bonds{.damping = 0.3}.fix() << chain(kBonds) << "fix integrate inner nve/sphere\n"
        << "set group tip omegax " << spin << "\n"
        << "run " << steps << "\nset group tip omegax 0\nrun 2000\n"
        << run(1, 1);
   const auto frames = frames_of(folder, deck.str());
 
-  const double angle = spin * steps * kBox.time_step;
+  const double angle = spin * steps * kSlowBox.time_step;
   const double torque = 2.0 * kShear * kSecondMoment / kBonds * angle;  // G J / l with G = k_s L, J = 2 I
   const auto& end = frames.back();
   EXPECT_NEAR(end.at(1).torque[0] / torque, 1.0, 1e-4);

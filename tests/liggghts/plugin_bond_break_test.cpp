@@ -4,8 +4,6 @@
 namespace granary::dem::test {
 namespace {
 
-const BondBox kBox{.time_step = 2e-5};
-
 struct Pulled {
   json::Value line;     // of breaks.jsonl
   double force = 0.0;   // largest on the first sphere before [N]
@@ -19,7 +17,7 @@ Pulled pulled(const Bonds& bonds, const std::string& motion, int steps) {
   Bonds with = bonds;
   with.more += " breaks breaks.jsonl";
   Pulled found;
-  found.frames = frames_of(folder, bond_head(kBox) + with.fix() + chain(1) + motion + run(steps, 1));
+  found.frames = frames_of(folder, bond_head(kSlowBox) + with.fix() + chain(1) + motion + run(steps, 1));
   const auto told = lines(folder, "breaks.jsonl");
   EXPECT_EQ(told.size(), 1u);
   if (!told.empty()) found.line = told[0];
@@ -71,8 +69,9 @@ TEST(Bond, IsNotBrokenByPressure) {
   const Folder folder;
   Bonds bonds{.tensile_strength = 1.0, .shear_strength = 1.0};
   bonds.more += " breaks breaks.jsonl";
-  ASSERT_EQ(
-      run_deck(folder, bond_head(kBox) + bonds.fix() + chain(1) + "fix push tip move linear -0.004 0 0\nrun 1000\n"), 0)
+  ASSERT_EQ(run_deck(folder,
+                     bond_head(kSlowBox) + bonds.fix() + chain(1) + "fix push tip move linear -0.004 0 0\nrun 1000\n"),
+            0)
       << folder.read("err");
   EXPECT_TRUE(lines(folder, "breaks.jsonl").empty());
 }
@@ -103,7 +102,7 @@ TEST(Bond, ScattersItsStrengthByWeibullTheSameOnEveryRunAndMeanOne) {
     const Folder folder;
     Bonds bonds = kTears;
     bonds.more += " breaks breaks.jsonl seed 3 " + scatter;
-    EXPECT_EQ(run_deck(folder, bond_head(kBox) + bonds.fix() + particles(list) +
+    EXPECT_EQ(run_deck(folder, bond_head(kSlowBox) + bonds.fix() + particles(list) +
                                    "region far block 0.002 0.06 -0.06 0.06 -0.06 0.06 units box\ngroup far region far\n"
                                    "fix pull far move linear 0.05 0 0\nrun 500\n"),
               0)

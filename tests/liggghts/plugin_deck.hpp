@@ -20,6 +20,8 @@ namespace granary::dem::test {
 
 namespace fs = std::filesystem;
 
+inline const std::string kOneBin = "axis x compartments 1 -1 1 classes 1 0.001 0.01 ";
+
 /// A folder that is gone at the end of the test.
 class Folder {
  public:

@@ -4,7 +4,6 @@
 namespace granary::dem::test {
 namespace {
 
-const std::string kOneBin = "axis x compartments 1 -1 1 classes 1 0.001 0.01 ";
 const std::string kGuard = "fix guard all granary/guard file tallies.jsonl every 1 ";
 
 std::string head_on(double time_step, double speed, const std::string& more) {

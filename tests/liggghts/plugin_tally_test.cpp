@@ -10,7 +10,6 @@ namespace granary::dem::test {
 namespace {
 
 constexpr double kGravity = 9.81;
-const std::string kOneBin = "axis x compartments 1 -1 1 classes 1 0.001 0.01 ";
 
 // ---- one or two particles ----
 

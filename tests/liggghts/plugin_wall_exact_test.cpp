@@ -7,8 +7,6 @@
 namespace granary::dem::test {
 namespace {
 
-constexpr double kRadius = 0.002, kMass = 1000.0 * 4.0 / 3.0 * kPi * kRadius * kRadius * kRadius;
-
 /// Says a figure of the table: what, expected, got.
 void say(const std::string& what, double expected, double got) {
   std::cout << "    " << what << ": expected " << expected << ", got " << got << "\n";

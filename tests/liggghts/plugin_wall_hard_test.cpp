@@ -4,8 +4,6 @@
 namespace granary::dem::test {
 namespace {
 
-constexpr double kRadius = 0.002, kMass = 1000.0 * 4.0 / 3.0 * kPi * kRadius * kRadius * kRadius;
-
 // The blade comes at 5 m/s, particles at 10 m/s against it: overlaps of half a radius.
 TEST(WallHard, ThrowsBackWhatComesAtThreeTimesTheTipSpeed) {
   const Folder folder;

@@ -7,7 +7,6 @@
 namespace granary::dem::test {
 namespace {
 
-constexpr double kRadius = 0.002, kMass = 1000.0 * 4.0 / 3.0 * kPi * kRadius * kRadius * kRadius;
 const std::string kWear = " wear_archard 1e-4 2e9 wear_finnie 3e-11 wear_file worn 0";
 
 /// The cell data of that name of a legacy VTK file.

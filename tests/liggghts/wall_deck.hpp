@@ -14,6 +14,7 @@ using Point = std::array<double, 3>;
 using Corners = std::array<Point, 3>;
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kDensity = 1000.0, kRadius = 0.002, kMass = kDensity * 4.0 / 3.0 * kPi * kRadius * kRadius * kRadius;
 
 inline double length(const Point& a) { return std::hypot(a[0], a[1], a[2]); }
 inline Point cross(const Point& a, const Point& b) {

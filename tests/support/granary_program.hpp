@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 inline const fs::path kSource = GRANARY_SOURCE_DIR;
 inline const fs::path kPrograms = GRANARY_BIN_DIR;
+inline const std::string kGranary = (kPrograms / "granary").string();
 
 /// A fresh folder of this test's own, removed at its end if the test passed.
 class Scratch {
