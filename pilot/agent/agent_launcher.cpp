@@ -185,7 +185,9 @@ AgentLauncher::~AgentLauncher() {
   state_->attempts.clear();  // nobody is to be told of their ends
 }
 
-std::vector<int> AgentLauncher::await_agents(double timeout_s) { return state_->roster->await_all(timeout_s); }
+std::vector<int> AgentLauncher::await_agents(double timeout_s, double patience_s) {
+  return state_->roster->await_all(timeout_s, patience_s);
+}
 const Machine& AgentLauncher::machine() const { return state_->roster->machine(); }
 
 void AgentLauncher::watch(NodeWatcher watcher) {

@@ -31,7 +31,7 @@ class AgentLauncher final : public Launcher {
   ~AgentLauncher() override;  ///< dismisses the agents: they end what still runs
 
   /// Runs the loop until every node has its agent, or the time is over. The indices of those that have none.
-  std::vector<int> await_agents(double timeout_s);
+  std::vector<int> await_agents(double timeout_s, double patience_s);
   /// With what the agents found.
   const Machine& machine() const;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <map>
@@ -21,7 +22,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kArrival = 60.0;     ///< agents come within this time of their start, or not at all [s]
+constexpr double kArrival = 60.0;  ///< agents come within this time of their start, or not at all [s]
+/// Who is late by so much after the others is done without, and taken when it comes [s].
+constexpr double kPatience = 3.0;
+/// A step of Slurm ends on all its nodes if it cannot be started on one of them, 11 s later: so each node has its own,
+/// as far as that is cheap.
+constexpr std::size_t kMostSteps = 32;
 constexpr double kRetryEvery = 20.0;  ///< between tries to bring an agent back to a lost node [s]
 constexpr double kFarewell = 3.0;     ///< for the agents to end after the last word [s]
 
@@ -68,16 +74,27 @@ struct NodeBlock::State {
     if (awaiting && starters.empty()) loop.stop();  // nobody comes any more
   }
 
-  std::vector<std::string> srun(int count, const std::string& where) const {
+  std::vector<std::string> srun(std::size_t count, const std::string& where) const {
     const std::string n = std::to_string(count);
     std::vector<std::string> argv{"srun",      "--jobid=" + job->id,  "--job-name=granary-agents",
                                   "--overlap", "--no-kill",           "--kill-on-bad-exit=0",
                                   "--wait=0",  "--input=none",        "--cpu-bind=none",
                                   "--mem=0",   "--ntasks-per-node=1", "-N" + n,
-                                  "-n" + n,    "--mpi=none"};
-    if (!where.empty()) argv.push_back("--nodelist=" + where);
+                                  "-n" + n,    "--mpi=none",          "--nodelist=" + where};
     argv.insert(argv.end(), {agent_program(), dir.string()});
     return argv;
+  }
+
+  Status start_steps() {
+    const std::vector<Node>& nodes = launcher->machine().nodes;
+    const std::size_t each = (nodes.size() + kMostSteps - 1) / kMostSteps;
+    for (std::size_t begin = 0; begin < nodes.size(); begin += each) {
+      const std::size_t end = std::min(begin + each, nodes.size());
+      std::string where;
+      for (std::size_t k = begin; k < end; ++k) where += (where.empty() ? "" : ",") + nodes[k].name;
+      GRANARY_CHECK(start(srun(end - begin, where)));
+    }
+    return {};
   }
 
   /// What starts one node's agent.
@@ -102,8 +119,9 @@ struct NodeBlock::State {
 
   Status await_agents() {
     awaiting = true;
-    const std::vector<int> absent = launcher->await_agents(kArrival);
+    const std::vector<int> absent = launcher->await_agents(kArrival, kPatience);
     awaiting = false;
+    for (const int node : absent) retries[node] = loop.after(kRetryEvery, [this, node] { revive(node); });
     if (absent.size() == launcher->machine().nodes.size())
       return Error{fmt::format("not one agent came from the {} node(s); see what was written above", absent.size()),
                    Exit::internal};
@@ -121,9 +139,8 @@ Result<std::unique_ptr<NodeBlock>> NodeBlock::of_slurm_job(RealLoop& loop, const
   auto state = std::make_unique<State>(loop, dir);
   GRANARY_CHECK(state->check_program());
   GRANARY_TRY(state->launcher, AgentLauncher::listen(loop, dir, job.machine, job.address));
-  const int count = static_cast<int>(job.machine.nodes.size());
   state->job = std::move(job);
-  GRANARY_CHECK(state->start(state->srun(count, "")));
+  GRANARY_CHECK(state->start_steps());
   std::unique_ptr<NodeBlock> block(new NodeBlock(std::move(state)));
   GRANARY_CHECK(block->state_->await_agents());
   return block;

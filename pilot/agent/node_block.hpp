@@ -12,7 +12,8 @@ namespace granary::pilot {
 
 class NodeBlock {
  public:
-  /// The nodes of the job we are in; one srun starts all agents. Blocks until all are there, or for a minute: nodes
+  /// The nodes of the job we are in; srun starts the agents, each as a step of its own as far as that is cheap. Blocks
+  /// until all are there, or the others have come some seconds ago, or for a minute: nodes
   /// whose agent does not come are told as lost by watch(). `cores`: of a node at most; 0: all. Errors: no job, no
   /// srun, not one agent.
   static Result<std::unique_ptr<NodeBlock>> of_slurm_job(RealLoop& loop, const std::filesystem::path& dir,

@@ -231,14 +231,18 @@ Roster::~Roster() {
   fs::remove(state.dir / "endpoint.json", ignored);
 }
 
-std::vector<int> Roster::await_all(double timeout_s) {
+std::vector<int> Roster::await_all(double timeout_s, double patience_s) {
   State& state = *state_;
+  TimerId patience = TimerId::none;
   state.someone_came = [&] {
-    if (state.absent().empty()) state.loop.stop();
+    if (state.absent().empty()) return state.loop.stop();
+    state.loop.cancel(patience);
+    patience = state.loop.after(patience_s, [&state] { state.loop.stop(); });
   };
   const TimerId limit = state.loop.after(timeout_s, [&state] { state.loop.stop(); });
   if (!state.absent().empty()) state.loop.run();
   state.loop.cancel(limit);
+  state.loop.cancel(patience);
   state.someone_came = [] {};
   return state.absent();
 }

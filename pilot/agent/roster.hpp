@@ -31,8 +31,9 @@ class Roster {
                                                 const std::string& address, Events events);
   ~Roster();  ///< dismisses the agents: they end what still runs
 
-  /// Runs the loop until every node has its agent, or the time is over. The nodes that have none.
-  std::vector<int> await_all(double timeout_s);
+  /// Runs the loop until every node has its agent, some have and no other has come for `patience_s`, or the time is
+  /// over. The nodes that have none.
+  std::vector<int> await_all(double timeout_s, double patience_s);
   /// From here on nodes are told as lost, those without an agent at once; new agents end only what was theirs.
   void begin();
   void answer(std::function<json::Value(const json::Value& request)> answer);

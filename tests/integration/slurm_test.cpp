@@ -1,5 +1,6 @@
 // Campaigns as jobs of a real Slurm of three virtual nodes, and what goes wrong there.
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "tests/support/agent_tasks.hpp"
 #include "tests/support/granary_program.hpp"
@@ -189,6 +190,23 @@ TEST_F(Slurm, NoticesAPowerCutWithinFiveSecondsAndRunsTheRestElsewhere) {
   EXPECT_EQ(count_in(text_in(dir() / "mpi.log"), "done"), 1) << text_in(dir() / "mpi.log");
   EXPECT_GE(count_in(text_in(dir() / "mpi.log"), "begin"), 1);
   cluster->boot("node2");
+  cluster->wait_until_idle();
+}
+
+TEST_F(Slurm, BeginsWithoutANodeThatIsDeadAlreadyAndSaysSo) {
+  cluster->crash("node3");
+  submit(nodes(3), honest_tasks(8, 0.5));
+  wait_for_finished(8, 60.0);
+
+  const auto lost = times_of(dir(), "node.lost");
+  ASSERT_EQ(lost.size(), 1u);
+  struct stat secret = {};  // made just before the agents are started
+  ASSERT_EQ(stat((dir() / "secret").c_str(), &secret), 0);
+  const double asked = static_cast<double>(secret.st_mtim.tv_sec) + 1e-9 * static_cast<double>(secret.st_mtim.tv_nsec);
+  EXPECT_LE(lost[0] - asked, 8.0) << "Slurm itself gives up after 11 s, and ends the agents of the step with it";
+  RecordProperty("done_without_after_s", std::to_string(lost[0] - asked));
+  expect_each_finished_once(dir(), 8);
+  cluster->boot("node3");
   cluster->wait_until_idle();
 }
 
