@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "granary-campaign-1";
+constexpr const char* kWrittenFormat = "granary-campaign-1";
 
 template <class T>
 json::Value or_null(const std::optional<T>& value) {
@@ -145,7 +145,7 @@ std::string first_difference(const json::Value& a, const json::Value& b, const s
 }  // namespace
 
 json::Value to_json(const Campaign& campaign) {
-  return json::Value::object({{"format", kFormat},
+  return json::Value::object({{"format", kWrittenFormat},
                               {"version", version()},
                               {"revision", revision()},
                               {"file", campaign.file.string()},
@@ -156,9 +156,9 @@ json::Value to_json(const Campaign& campaign) {
 
 Result<Campaign> read_written_campaign(const fs::path& file) {
   GRANARY_TRY(const json::Value written, json::read_file(file));
-  if (written.text_or("format", "") != kFormat)
+  if (written.text_or("format", "") != kWrittenFormat)
     return Error{file.string() + ": this is not a campaign.json of this version of Granary (its \"format\" is not \"" +
-                 kFormat + "\")."};
+                 kWrittenFormat + "\")."};
   GRANARY_TRY(Campaign campaign, reread_campaign(written["workflow"], file, written.text_or("folder", "")));
   campaign.file = written.text_or("file", "");
   if (const auto place = first_difference(as_understood(campaign), written["understood"], ""); !place.empty()) {

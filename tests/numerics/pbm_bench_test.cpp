@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/math/percentile.hpp"
 #include "pbm_solver/bench/bench_cases.hpp"
 #include "pbm_solver/bench/class_table.hpp"
 #include "pbm_solver/bench/cost_front.hpp"

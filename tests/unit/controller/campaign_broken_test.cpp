@@ -1,9 +1,7 @@
 // A folder of broken workflows, each with exactly the messages it gets.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
-
+#include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 
@@ -11,12 +9,6 @@ namespace granary::campaign {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 class BrokenWorkflows : public testing::Test {
  protected:
@@ -32,7 +24,8 @@ TEST_F(BrokenWorkflows, EachGetsExactlyItsMessages) {
     const auto campaign = read_campaign(file);
     ASSERT_FALSE(campaign.has_value()) << file;
     EXPECT_EQ(campaign.error().exit, Exit::bad_input) << file;
-    EXPECT_EQ(campaign.error().message + "\n", text_of(fs::path(file).replace_extension(".expected"))) << file;
+    EXPECT_EQ(campaign.error().message + "\n", read_text(fs::path(file).replace_extension(".expected")).value())
+        << file;
   }
   EXPECT_GE(n, 50);
 }

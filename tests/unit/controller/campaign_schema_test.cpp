@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "controller/campaign/campaign.hpp"
 #include "controller/campaign/campaign_schema.hpp"
@@ -21,12 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kSource = GRANARY_SOURCE_DIR;
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// Calls `visit` with the pointer and the schema of every setting; "*" stands for the items of a list of sections.
 void walk(const json::Value& node, const std::string& at,
@@ -86,7 +81,7 @@ TEST(WorkflowSchema, KnowsEverySettingThatTheReaderAsksFor) {
   for (const auto& entry : fs::directory_iterator(kSource / "controller/campaign"))
     if (entry.path().extension() == ".cpp" && entry.path().filename() != "written.cpp") sources.push_back(entry.path());
   for (const fs::path& source : sources) {
-    std::string text = text_of(source);
+    std::string text = read_text(source).value();
     if (source.filename() == "spec_json.cpp") text = text.substr(0, text.find("TaskSpec spec_from_json"));
     for (std::sregex_iterator it(text.begin(), text.end(), asked), end; it != end; ++it) {
       const std::string key = (*it)[1].matched ? (*it)[1] : (*it)[2];
@@ -184,7 +179,7 @@ TEST(WorkflowSchema, RefusesByItselfWhatAnEditorShouldMark) {
 
 TEST(WorkflowFormatDocument, HasEverySettingWithItsDefault) {
   std::map<std::string, std::string> rows;  // pointer -> its line
-  std::istringstream lines(text_of(kSource / "docs/workflow_format.md"));
+  std::istringstream lines(read_text(kSource / "docs/workflow_format.md").value());
   const std::regex row(R"(^\| `(/[^`]*)` \|)");
   std::smatch found;
   for (std::string line; std::getline(lines, line);)

@@ -24,15 +24,15 @@ struct Sums {
   std::vector<double> above;   ///< [5][lane]
 };
 
-struct State {
+struct LaneState {
   LaneVector number, liquid, gas;
 };
 
-State any_state(const ModelTables& tables, unsigned seed, double decades) {
+LaneState any_state(const ModelTables& tables, unsigned seed, double decades) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> one(0.0, 1.0);
   const auto lanes = static_cast<std::size_t>(tables.lanes), n = tables.grid.size() * lanes;
-  State s{LaneVector(n), LaneVector(n), LaneVector(n)};
+  LaneState s{LaneVector(n), LaneVector(n), LaneVector(n)};
   for (std::size_t k = 0; k < n; ++k) {
     if (k % lanes >= static_cast<std::size_t>(tables.pbm_case.compartments.count)) continue;
     const double number = one(random) < 0.2 ? 0.0 : std::pow(10.0, decades * one(random));
@@ -44,7 +44,7 @@ State any_state(const ModelTables& tables, unsigned seed, double decades) {
 }
 
 /// The plain double loop: every unordered pair once, half for a class with itself, with the pair kernel's beta.
-Sums plain_sums(const ModelTables& tables, const ParticleTable& particles, const State& s) {
+Sums plain_sums(const ModelTables& tables, const ParticleTable& particles, const LaneState& s) {
   const PbmCase& c = tables.pbm_case;
   const ClassGrid& grid = tables.grid;
   const auto lanes = static_cast<std::size_t>(tables.lanes), n = grid.size();
@@ -96,7 +96,7 @@ struct Operated {
   std::size_t rank;
 };
 
-Operated operate(const ModelTables& tables, ParticleTable& particles, const State& s) {
+Operated operate(const ModelTables& tables, ParticleTable& particles, const LaneState& s) {
   const PbmCase& c = tables.pbm_case;
   const auto lanes = static_cast<std::size_t>(tables.lanes), n = tables.grid.size();
   AggregationOperator aggregation(*tables.aggregation, c, tables.grid, tables.view, 0, c.compartments.count,
@@ -158,7 +158,7 @@ PbmCase any_case(int kernel, int n_compartments) {
 
 void equals_the_double_loop(const PbmCase& c, unsigned seed, Form expected) {
   const ModelTables tables(c);
-  const State s = any_state(tables, seed, 6.0);
+  const LaneState s = any_state(tables, seed, 6.0);
   ParticleTable particles(tables.solids, c.materials);
   particles.look_at(s.number.data(), s.liquid.data(), s.gas.data());
   particles.remember();
@@ -190,8 +190,8 @@ RC_GTEST_PROP(AggregationOperator, OfPairsEqualsTheDoubleLoopElementByElement, (
 }
 
 /// Liquid and pores as they are in a granulator: between dry fines and wet granules, different in each compartment.
-State a_wetted_state(const ModelTables& tables) {
-  State s = any_state(tables, 5, 3.0);
+LaneState a_wetted_state(const ModelTables& tables) {
+  LaneState s = any_state(tables, 5, 3.0);
   const auto lanes = static_cast<std::size_t>(tables.lanes);
   for (std::size_t k = 0; k < s.number.size(); ++k) {
     const double octaves = std::log2(tables.solids.solid[k] / tables.solids.solid[0]);
@@ -208,7 +208,7 @@ TEST(AggregationOperator, OfLowRankIsAsNearToTheKernelAsItsToleranceSaysForNearl
     c.aggregation->method = Method::low_rank;
     c.kernel_tolerance = tolerance;
     const ModelTables tables(c);
-    const State s = a_wetted_state(tables);
+    const LaneState s = a_wetted_state(tables);
     ParticleTable particles(tables.solids, c.materials);
     particles.look_at(s.number.data(), s.liquid.data(), s.gas.data());
     particles.remember();

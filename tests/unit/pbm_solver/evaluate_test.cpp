@@ -15,7 +15,7 @@ using estimation::Problem;
 using estimation::Quantity;
 using estimation::Scale;
 using estimation::Target;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// Constant aggregation of one class of dry particles: N(t) = N0 / (1 + N0 beta t / (2 V)).
 PbmCase smoluchowski() {
