@@ -15,6 +15,7 @@
 #include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "common/math/percentile.hpp"
+#include "controller/bench/stopwatch.hpp"
 #include "pilot/launch/command.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
@@ -32,9 +33,6 @@ namespace fs = std::filesystem;
 using json::Value;
 using pilot::TaskEnd;
 using pilot::TaskSpec;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// A pilot of our own on real cores, journal on, as `granary run` has it.
 struct Site {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/json/problems.hpp"
+#include "controller/bench/stopwatch.hpp"
 #include "pilot/launch/simulated_launcher.hpp"
 #include "pilot/loop/virtual_loop.hpp"
 #include "pilot/pilot.hpp"
@@ -22,13 +23,11 @@ namespace granary::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kNodeMemory = 256LL << 30;
 constexpr double kShortest = 0.1, kLongest = 3600.0;  ///< [s]
 constexpr int kMostRanks = 4096;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Resident memory now [bytes].

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "controller/bench/stopwatch.hpp"
 #include "pilot/agent/node_block.hpp"
 #include "pilot/launch/command.hpp"
 #include "pilot/launch/spawn.hpp"
@@ -16,10 +17,6 @@ extern char** environ;
 
 namespace granary::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 std::vector<pilot::TaskSpec> tasks_of_true(int count) {
   std::vector<pilot::TaskSpec> tasks(static_cast<std::size_t>(count));
@@ -48,13 +45,13 @@ Result<AgentFigures> through_agents(const SlurmBench& bench) {
                [&](int node) { pilot->regain_node(node); });
   std::optional<double> first;
   pilot->on_end([&](const pilot::TaskEnd&) {
-    if (!first) first = since(began);
+    if (!first) first = seconds_since(began);
   });
   const auto submitted = Clock::now();
   GRANARY_TRY(const auto summary, pilot::run_task_list(tasks_of_true(bench.tasks), *pilot, loop));
   if (summary.finished != bench.tasks)
     return Error{fmt::format("{} of {} tasks failed", bench.tasks - summary.finished, bench.tasks), Exit::task_failed};
-  figures.per_s = bench.tasks / since(submitted);
+  figures.per_s = bench.tasks / seconds_since(submitted);
   figures.start_s = first.value_or(0.0);
   return figures;
 }
@@ -74,7 +71,7 @@ class Steps {
     for (int k = 0; k < in_flight_; ++k) GRANARY_CHECK(start_next());
     loop_.run();
     if (failed_ > 0) return Error{fmt::format("{} of {} steps failed", failed_, count), Exit::task_failed};
-    return count / since(began);
+    return count / seconds_since(began);
   }
 
  private:
