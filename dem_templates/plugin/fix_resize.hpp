@@ -48,7 +48,7 @@ class FixResize : public LAMMPS_NS::Fix {
   std::vector<std::string> meshes_, walls_;
   int type_ = 1;
   ResizeOptions options_;
-  Population population_;
+  ResizePopulation population_;
   bool done_ = false;
 
   // Of what was done, for the report.

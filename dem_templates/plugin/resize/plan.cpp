@@ -29,7 +29,7 @@ double random(std::uint64_t seed, std::uint64_t stream, std::uint64_t n) {
 }
 
 // The compartment a place belongs to; the nearest one if it lies in none.
-std::size_t compartment_of(const Population& population, double axial) {
+std::size_t compartment_of(const ResizePopulation& population, double axial) {
   std::size_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < population.compartments.size(); ++c) {
@@ -117,7 +117,7 @@ bool move_trapped(Places& places, double largest, double bound, std::uint64_t se
   return true;
 }
 
-Error does_not_fit(const Population& population, std::size_t c, const std::string& why) {
+Error does_not_fit(const ResizePopulation& population, std::size_t c, const std::string& why) {
   const auto& compartment = population.compartments[c];
   return Error{
       fmt::format("resize: {} particles of together {:.4g} m^3 do not fit between {:.4g} m and {:.4g} m: {}. Ask for "
@@ -127,8 +127,8 @@ Error does_not_fit(const Population& population, std::size_t c, const std::strin
 }
 
 // The compartment with the largest overlaps of its own.
-std::size_t worst_compartment(const Population& population, const std::vector<Sphere>& spheres, const FreeSpace& space,
-                              std::size_t axis) {
+std::size_t worst_compartment(const ResizePopulation& population, const std::vector<Sphere>& spheres,
+                              const FreeSpace& space, std::size_t axis) {
   std::size_t worst = 0;
   double most = -1.0;
   for (std::size_t c = 0; c < population.compartments.size(); ++c) {
@@ -143,8 +143,8 @@ std::size_t worst_compartment(const Population& population, const std::vector<Sp
 
 }  // namespace
 
-Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population& population, const FreeSpace& space,
-                               const ResizeOptions& options) {
+Result<ResizePlan> plan_resize(std::vector<Particle> existing, const ResizePopulation& population,
+                               const FreeSpace& space, const ResizeOptions& options) {
   const auto axis = static_cast<std::size_t>(options.axis);
   const std::size_t n_compartments = population.compartments.size();
   ResizePlan plan;
@@ -235,7 +235,7 @@ Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population&
   return plan;
 }
 
-std::string describe(const ResizePlan& plan, const Population& population) {
+std::string describe(const ResizePlan& plan, const ResizePopulation& population) {
   std::string text = "resize:";
   for (std::size_t c = 0; c < plan.compartments.size(); ++c) {
     const auto& count = plan.compartments[c];

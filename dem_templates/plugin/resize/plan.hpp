@@ -49,10 +49,10 @@ constexpr double kHopeless = 5.0;
 /// The existing particles of a compartment are ranked by size and take the new diameters in that order; surplus ones
 /// go, evenly over the ranks; missing ones are put at the freest of random places; then overlaps are relaxed. Error:
 /// the particles do not fit (Exit::bad_input, names the worst compartment).
-Result<ResizePlan> plan_resize(std::vector<Particle> existing, const Population& population, const FreeSpace& space,
-                               const ResizeOptions& options);
+Result<ResizePlan> plan_resize(std::vector<Particle> existing, const ResizePopulation& population,
+                               const FreeSpace& space, const ResizeOptions& options);
 
 /// For people: one line with asked and got particles and volumes per compartment, and the overlaps.
-std::string describe(const ResizePlan& plan, const Population& population);
+std::string describe(const ResizePlan& plan, const ResizePopulation& population);
 
 }  // namespace granary::dem

@@ -41,25 +41,25 @@ double CompartmentPopulation::volume() const {
   return std::numbers::pi / 6.0 * cubes;
 }
 
-double Population::largest_diameter() const {
+double ResizePopulation::largest_diameter() const {
   double largest = 0.0;
   for (const CompartmentPopulation& compartment : compartments)
     if (!compartment.diameters.empty()) largest = std::max(largest, compartment.diameters.back());
   return largest;
 }
 
-double Population::volume() const {
+double ResizePopulation::volume() const {
   double sum = 0.0;
   for (const CompartmentPopulation& compartment : compartments) sum += compartment.volume();
   return sum;
 }
 
-Result<Population> read_population(const std::filesystem::path& file) {
+Result<ResizePopulation> read_population(const std::filesystem::path& file) {
   GRANARY_TRY(const json::Value document, json::read_file(file));
   json::Problems problems;
   json::Reader reader(document, file.string(), problems);
   reader.choice("format", {"granary-population-1"});
-  Population population;
+  ResizePopulation population;
   population.density = reader.number("density_kg_m3", Range::positive());
   reader.number_or("coarse_graining", 1.0, Range::positive());
   for (json::Reader& item : reader.items("compartments")) population.compartments.push_back(read_compartment(item));

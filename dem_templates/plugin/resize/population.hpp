@@ -15,7 +15,7 @@ struct CompartmentPopulation {
   double volume() const;  ///< [m^3]
 };
 
-struct Population {
+struct ResizePopulation {
   double density = 0.0;                             ///< [kg/m^3]
   std::vector<CompartmentPopulation> compartments;  ///< in order along the axis
 
@@ -23,6 +23,6 @@ struct Population {
   double volume() const;            ///< of all compartments [m^3]
 };
 
-Result<Population> read_population(const std::filesystem::path& file);
+Result<ResizePopulation> read_population(const std::filesystem::path& file);
 
 }  // namespace granary::dem

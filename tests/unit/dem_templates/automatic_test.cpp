@@ -8,7 +8,7 @@
 namespace granary::dem {
 namespace {
 
-DemCase a_case() {
+DemCase an_automatic_case() {
   DemCase c;
   c.population = {{0.0, 0.44, {0.004}, {100}}};
   c.contact.young_modulus = 1e8;
@@ -17,7 +17,7 @@ DemCase a_case() {
 
 TEST(AutomaticTimeStep, IsTheLongestAllowedWithTwoDigits) {
   for (const double modulus : {5e6, 8e6, 1e8, 3e9}) {
-    DemCase c = a_case();
+    DemCase c = an_automatic_case();
     c.contact.young_modulus = modulus;
     const double longest = largest_time_step(time_step_figures(c));
     EXPECT_LE(automatic_time_step(c), longest);
@@ -28,7 +28,7 @@ TEST(AutomaticTimeStep, IsTheLongestAllowedWithTwoDigits) {
 }
 
 TEST(AutomaticTimeStep, GoesByTheMeasuredSpeedWhereThereIsOne) {
-  DemCase c = a_case();
+  DemCase c = an_automatic_case();
   const double at_tip_speed = automatic_time_step(c);
   c.impact_speed = 2.0 * tip_speed(c.machine);
   EXPECT_LT(automatic_time_step(c), at_tip_speed);
@@ -37,7 +37,7 @@ TEST(AutomaticTimeStep, GoesByTheMeasuredSpeedWhereThereIsOne) {
 }
 
 TEST(AutomaticTallyEvery, SeesEachContactAtLeastOnce) {
-  DemCase c = a_case();
+  DemCase c = an_automatic_case();
   for (const double part : {1.0, 0.5, 0.2}) {
     c.time_step = part * largest_time_step(time_step_figures(c));
     const TimeStepFigures f = time_step_figures(c);
@@ -48,7 +48,7 @@ TEST(AutomaticTallyEvery, SeesEachContactAtLeastOnce) {
 
 TEST(AutomaticStiffness, GivesTheOverlapAskedForWhateverTheSize) {
   for (const double diameter : {0.001, 0.004, 0.01}) {
-    DemCase c = a_case();
+    DemCase c = an_automatic_case();
     c.population[0].diameter = {diameter};
     c.contact.young_modulus = automatic_young_modulus(c, 0.2);
     EXPECT_LT(c.contact.young_modulus, 1e8);
@@ -57,12 +57,12 @@ TEST(AutomaticStiffness, GivesTheOverlapAskedForWhateverTheSize) {
 }
 
 TEST(AutomaticStiffness, NeverMakesParticlesStifferNorTooSoftForLiggghts) {
-  EXPECT_EQ(automatic_young_modulus(a_case(), 0.01), 1e8);
-  EXPECT_EQ(automatic_young_modulus(a_case(), 0.9), 5e6);
+  EXPECT_EQ(automatic_young_modulus(an_automatic_case(), 0.01), 1e8);
+  EXPECT_EQ(automatic_young_modulus(an_automatic_case(), 0.9), 5e6);
 }
 
 TEST(AutomaticRankGrid, CutsTheMixerIntoSlicesTheBowlIntoColumns) {
-  DemCase mixer = a_case();
+  DemCase mixer = an_automatic_case();
   mixer.ranks = 8;
   EXPECT_EQ(automatic_rank_grid(mixer), (std::array<int, 3>{8, 1, 1}));
   mixer.ranks = 64;  // slices of 27 particles' length at most
@@ -70,7 +70,7 @@ TEST(AutomaticRankGrid, CutsTheMixerIntoSlicesTheBowlIntoColumns) {
   EXPECT_EQ(grid[0] * grid[1] * grid[2], 64);
   EXPECT_EQ(grid[0], 16);
 
-  DemCase bowl = a_case();
+  DemCase bowl = an_automatic_case();
   bowl.machine.type = Machine::Type::batch_bowl;
   bowl.ranks = 6;
   EXPECT_EQ(automatic_rank_grid(bowl), (std::array<int, 3>{3, 2, 1}));

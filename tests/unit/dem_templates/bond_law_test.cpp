@@ -13,12 +13,12 @@ namespace {
 
 const BondMaterial kMaterial{
     .normal_stiffness = 1e9, .shear_stiffness = 4e8, .tensile_strength = 1e5, .shear_strength = 6e4};
-const BondEnd kNear{0.002, 3e-5}, kFar{0.001, 4e-6};
+const BondEnd kNearEnd{0.002, 3e-5}, kFarEnd{0.001, 4e-6};
 constexpr double kR = 0.0008, kLong = 0.003, kDt = 1e-6;
 constexpr double kA = M_PI * kR * kR, kI = 0.25 * kA * kR * kR;
 
 Bond bond_along_x() { return {.partner = 2.0, .radius = kR, .length = kLong, .normal = {1, 0, 0}}; }
-BondSection section() { return bond_section(kMaterial, kR, kNear, kFar); }
+BondSection section() { return bond_section(kMaterial, kR, kNearEnd, kFarEnd); }
 BondLoad after(BondMotion motion, Bond& bond, bool damped = false) {
   return bond_load(section(), motion, kDt, false, damped, bond);
 }

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-DemCase a_case() {
+DemCase an_unusual_case() {
   DemCase c;
   c.name = "wet";
   c.machine.mixer.length = 0.4400000000000001;
@@ -40,7 +40,7 @@ std::string problems_of(json::Value document) {
 
 TEST(DemCaseJson, ReadsBackToTheSameBits) {
   for (const bool bowl : {false, true}) {
-    DemCase c = a_case();
+    DemCase c = an_unusual_case();
     if (bowl) c.machine.type = Machine::Type::batch_bowl, c.feed_rate = 0.0, c.restart.reset();
     const json::Value written = to_json(c);
 
@@ -59,7 +59,7 @@ TEST(DemCaseJson, ReadsBackToTheSameBits) {
 }
 
 TEST(DemCaseJson, ReportsEveryProblemAtOnce) {
-  json::Value document = to_json(a_case());
+  json::Value document = to_json(an_unusual_case());
   document.find("contact")->set("restitution", 1.4).set("young_modulus", 1e5);
   document.find("machine")->find("mixer")->set("shaft_length", 0.5);
   document.set("time_step", 0.0).set("densty", 5.0);
@@ -72,7 +72,7 @@ TEST(DemCaseJson, ReportsEveryProblemAtOnce) {
 }
 
 TEST(DemCaseJson, ZeroParticlesAreAnError) {
-  json::Value document = to_json(a_case());
+  json::Value document = to_json(an_unusual_case());
   document.find("population")->items()[0].set("count", std::vector<double>{0.0, 0.0});
   EXPECT_THAT(problems_of(document), HasSubstr("holds no particles"));
 
@@ -81,25 +81,25 @@ TEST(DemCaseJson, ZeroParticlesAreAnError) {
 }
 
 TEST(DemCaseJson, CompartmentsMustFollowEachOther) {
-  json::Value document = to_json(a_case());
+  json::Value document = to_json(an_unusual_case());
   document.find("population")->items()[1].set("from", 0.12);
   EXPECT_THAT(problems_of(document), HasSubstr("compartment 2 begins at 0.12 m"));
 }
 
 TEST(DemCaseJson, EachDiameterNeedsItsCount) {
-  json::Value document = to_json(a_case());
+  json::Value document = to_json(an_unusual_case());
   document.find("population")->items()[0].set("count", std::vector<double>{120.0});
   EXPECT_THAT(problems_of(document), HasSubstr("/population/0/count"));
 }
 
 TEST(DemCaseJson, ClassEdgesMustAscend) {
-  json::Value document = to_json(a_case());
+  json::Value document = to_json(an_unusual_case());
   document.find("tally")->set("class_edges", std::vector<double>{0.002, 0.001});
   EXPECT_THAT(problems_of(document), HasSubstr("must ascend"));
 }
 
 TEST(DemCaseJson, ABowlIsNotFed) {
-  DemCase c = a_case();
+  DemCase c = an_unusual_case();
   c.machine.type = Machine::Type::batch_bowl;
   EXPECT_THAT(problems_of(to_json(c)), HasSubstr("/feed_rate"));
 }

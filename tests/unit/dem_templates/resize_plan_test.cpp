@@ -42,7 +42,7 @@ class BoxSpace : public FreeSpace {
 
 const BoxSpace kBox({0.1, 0.04, 0.04});
 
-Population two_compartments(std::vector<double> left, std::vector<double> right) {
+ResizePopulation two_compartments(std::vector<double> left, std::vector<double> right) {
   std::sort(left.begin(), left.end());
   std::sort(right.begin(), right.end());
   return {1000.0, {{0.0, 0.05, std::move(left)}, {0.05, 0.1, std::move(right)}}};
@@ -79,7 +79,8 @@ std::vector<double> diameters_in(const std::vector<Particle>& particles, double 
 }
 
 TEST(ResizePlan, FillsAnEmptyBoxWithExactlyWhatIsAsked) {
-  const Population population = two_compartments(std::vector<double>(150, 0.004), std::vector<double>(400, 0.003));
+  const ResizePopulation population =
+      two_compartments(std::vector<double>(150, 0.004), std::vector<double>(400, 0.003));
 
   const auto plan = plan_resize({}, population, kBox, {});
 
@@ -91,9 +92,9 @@ TEST(ResizePlan, FillsAnEmptyBoxWithExactlyWhatIsAsked) {
 }
 
 TEST(ResizePlan, IsTheSameWhateverTheOrderParticlesComeIn) {
-  const Population before = two_compartments(std::vector<double>(100, 0.004), std::vector<double>(100, 0.004));
+  const ResizePopulation before = two_compartments(std::vector<double>(100, 0.004), std::vector<double>(100, 0.004));
   auto state = plan_resize({}, before, kBox, {})->inserted;
-  const Population after = two_compartments(std::vector<double>(130, 0.0045), std::vector<double>(80, 0.005));
+  const ResizePopulation after = two_compartments(std::vector<double>(130, 0.0045), std::vector<double>(80, 0.005));
   const auto one = plan_resize(state, after, kBox, {.seed = 5});
   std::shuffle(state.begin(), state.end(), std::mt19937(3));
   const auto other = plan_resize(state, after, kBox, {.seed = 5});
@@ -110,7 +111,7 @@ TEST(ResizePlan, IsTheSameWhateverTheOrderParticlesComeIn) {
 TEST(ResizePlan, GivesTheLargestParticleTheLargestSize) {
   std::vector<Particle> state;
   for (int i = 0; i < 5; ++i) state.push_back({i + 1, {0.005 + 0.01 * i, 0.02, 0.02}, 0.005 - 0.0005 * i});
-  const Population population = two_compartments({0.001, 0.002, 0.003, 0.004, 0.006}, {});
+  const ResizePopulation population = two_compartments({0.001, 0.002, 0.003, 0.004, 0.006}, {});
 
   const auto plan = plan_resize(state, population, kBox, {});
 
@@ -123,7 +124,7 @@ TEST(ResizePlan, GivesTheLargestParticleTheLargestSize) {
 TEST(ResizePlan, TakesSurplusEvenlyOverTheSizes) {
   std::vector<Particle> state;
   for (int i = 0; i < 100; ++i) state.push_back({i + 1, {0.0005 * i, 0.02, 0.02}, 0.0001 + 1e-6 * i});
-  const Population population = two_compartments(std::vector<double>(50, 0.0001), {});
+  const ResizePopulation population = two_compartments(std::vector<double>(50, 0.0001), {});
 
   const auto plan = plan_resize(state, population, kBox, {});
 
@@ -142,11 +143,11 @@ struct Change {
 class ResizeChanges : public testing::TestWithParam<Change> {};
 
 TEST_P(ResizeChanges, KeepsVolumeAndBoundsOverlaps) {
-  const Population before = two_compartments(std::vector<double>(200, 0.004), std::vector<double>(200, 0.004));
+  const ResizePopulation before = two_compartments(std::vector<double>(200, 0.004), std::vector<double>(200, 0.004));
   const auto state = plan_resize({}, before, kBox, {})->inserted;
   const Change change = GetParam();
   const std::vector<double> sizes(change.count, 0.004 * change.factor);
-  const Population after = two_compartments(sizes, sizes);
+  const ResizePopulation after = two_compartments(sizes, sizes);
 
   const auto plan = plan_resize(state, after, kBox, {});
 
@@ -198,7 +199,8 @@ TEST(ResizePlan, FreesAParticleThatGrewInANarrowGap) {
 }
 
 TEST(ResizePlan, RefusesWhatCannotFit) {
-  const Population population = two_compartments(std::vector<double>(20, 0.004), std::vector<double>(3000, 0.004));
+  const ResizePopulation population =
+      two_compartments(std::vector<double>(20, 0.004), std::vector<double>(3000, 0.004));
   const auto plan = plan_resize({}, population, kBox, {.sweeps = 200});
   ASSERT_FALSE(plan);
   EXPECT_NE(plan.error().message.find("3000 particles"), std::string::npos) << plan.error().message;

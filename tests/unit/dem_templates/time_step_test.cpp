@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-DemCase a_case() {
+DemCase a_bidisperse_case() {
   DemCase c;
   c.population = {{0.0, 0.44, {0.004, 0.001}, {100, 0}}};
   c.tally.class_edges = {0.001, 0.005};
@@ -39,7 +39,7 @@ Impact collide(double mass, double stiffness, double speed) {
 }
 
 TEST(TimeStep, ContactTimeAndOverlapAreThoseOfAnIntegratedHertzImpact) {
-  const DemCase c = a_case();
+  const DemCase c = a_bidisperse_case();
   const double r = 0.002, mass = c.density * 4.0 / 3.0 * kPi * r * r * r;
   const double modulus = 1.0 / ((1 - 0.04) * (1 / 8e6 + 1 / 9.99e8));
   const Impact impact = collide(mass, 4.0 / 3.0 * modulus * std::sqrt(r), tip_speed(c.machine));
@@ -51,7 +51,7 @@ TEST(TimeStep, ContactTimeAndOverlapAreThoseOfAnIntegratedHertzImpact) {
 }
 
 TEST(TimeStep, RayleighTimeGrowsWithRadiusAndWithTheRootOfDensity) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   const double base = time_step_figures(c).rayleigh_time;
   EXPECT_NEAR(base, kPi * 0.002 * std::sqrt(1000.0 * 2.4 / 8e6) / (0.1631 * 0.2 + 0.8766), 1e-15);
   c.density *= 4.0;
@@ -60,21 +60,21 @@ TEST(TimeStep, RayleighTimeGrowsWithRadiusAndWithTheRootOfDensity) {
 }
 
 TEST(TimeStep, OnlyParticlesThatExistCount) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   EXPECT_DOUBLE_EQ(time_step_figures(c).smallest_diameter, 0.004);
   c.population[0].count[1] = 1;
   EXPECT_DOUBLE_EQ(time_step_figures(c).smallest_diameter, 0.001);
 }
 
 TEST(TimeStep, FedParticlesCountToo) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   c.feed_rate = 0.004;
   c.feed_diameter = 0.002;
   EXPECT_DOUBLE_EQ(time_step_figures(c).smallest_diameter, 0.002);
 }
 
 TEST(TimeStep, TooLongAStepSaysWhatIsAllowed) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   EXPECT_FALSE(time_step_problem(time_step_figures(c)));
   EXPECT_TRUE(check_time_step(c, "case.json"));
 
@@ -88,7 +88,7 @@ TEST(TimeStep, TooLongAStepSaysWhatIsAllowed) {
 }
 
 TEST(TimeStep, StiffBondsShortenItWithTheRootOfTheirStiffness) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   const double without = largest_time_step(time_step_figures(c));
   c.agglomerates.emplace();
   c.agglomerates->bonds.normal_stiffness = 1e13;
@@ -104,7 +104,7 @@ TEST(TimeStep, StiffBondsShortenItWithTheRootOfTheirStiffness) {
 }
 
 TEST(TimeStep, AStandingImpellerLimitsNothingButRayleigh) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   c.machine.impeller_speed = 0.0;
   const TimeStepFigures f = time_step_figures(c);
   EXPECT_EQ(f.contact_share, 0.0);
@@ -112,7 +112,7 @@ TEST(TimeStep, AStandingImpellerLimitsNothingButRayleigh) {
 }
 
 TEST(TimeStep, WarnsWhereAnImpactExceedsTheGuardsOverlap) {
-  DemCase c = a_case();
+  DemCase c = a_bidisperse_case();
   c.guard.largest_overlap = 0.2;
   const auto warning = overlap_warning(time_step_figures(c), c);
   ASSERT_TRUE(warning);  // 8 MPa at 12 m/s: a third of the radius
