@@ -68,7 +68,7 @@ Exit watch_screen(watch::Watcher& watcher) {
         STDIN_FILENO,
         [&] {
           char key = 0;
-          const ssize_t n = read(STDIN_FILENO, &key, 1);
+          const ssize_t n = ::read(STDIN_FILENO, &key, 1);
           if (n <= 0) return loop.unwatch(STDIN_FILENO);  // nobody types any more
           if (key == 'q' || key == 'Q') loop.stop();
         },
