@@ -124,9 +124,6 @@ void FixBond::post_force(int) {
 void FixBond::post_run() {
   if (!watching()) return;
   tell_breaks();
-  const FixGuard* guard = find_guard(*lmp);
-  const bool goes_on = update->ntimestep < update->endstep && !(guard && guard->stopping());
-  if (goes_on) return;  // 'run N every M': a part of it is over
   double last = history_.last_sample();
   MPI_Bcast(&last, 1, MPI_DOUBLE, 0, world);
   if (last < static_cast<double>(update->ntimestep)) sample();

@@ -110,7 +110,8 @@ Values agglomerate_values(const DemCase& c, std::string fill) {
           {"radius_scale", digits(b.radius)},
           {"gap", digits(b.gap * 0.5 * a.sphere_diameter)},
           {"damping", digits(b.damping)},
-          {"sample_every", number(std::max(1L, std::lround(a.sample_every / c.time_step)))},
+          {"sample_every", number(schedule.sample)},
+          {"state_every", number(std::max(schedule.window, schedule.sample))},
           {"fill", std::move(fill)},
           {"goes_on", c.restart ? " goes_on yes" : ""},
           {"last_step", number(schedule.settle + schedule.steps)}};
@@ -185,16 +186,30 @@ Status check_restart(const DemCase& c, const fs::path& folder) {
 
 }  // namespace
 
+namespace {
+
+/// A whole part of a window, or whole windows.
+long sample_steps(const DemCase& c, long window, long samples) {
+  const long windows = std::lround(c.agglomerates->sample_every / c.tally.window);
+  return windows > 1 ? windows * window : window / samples;
+}
+
+}  // namespace
+
 Schedule schedule_of(const DemCase& c) {
   Schedule s;
   s.settle = std::lround(c.settle_time / c.time_step);
-  s.window = std::max(1L, std::lround(c.tally.window / c.time_step / c.tally.every)) * c.tally.every;
+  // Windows are whole looks, and of agglomerates whole samples: the state that each leaves is at one.
+  const long samples = c.agglomerates ? std::max(1L, std::lround(c.tally.window / c.agglomerates->sample_every)) : 1L;
+  const long unit = c.tally.every * samples;
+  s.window = std::max(1L, std::lround(c.tally.window / c.time_step / static_cast<double>(unit))) * unit;
+  s.sample = c.agglomerates ? sample_steps(c, s.window, samples) : 0;
   s.steps = std::max(1L, std::lround(c.duration / c.time_step / static_cast<double>(s.window))) * s.window;
   return s;
 }
 
-// The settled bed is the first that is like all later ones. Stock walls need a longer reach than the particles. Cells as
-// wide as the lists reach are fewer to go through than LIGGGHTS' own, half as wide.
+// The settled bed is the first that is like all later ones. Stock walls need a longer reach than the particles. Cells
+// as wide as the lists reach are fewer to go through than LIGGGHTS' own, half as wide.
 std::string skin_trial(const DemCase& c) {
   if (c.skin || c.walls == Walls::stock) return "";
   return fmt::format(

@@ -16,6 +16,7 @@ namespace granary::dem {
 /// Whole steps of the burst's parts.
 struct Schedule {
   long settle = 0, window = 0, steps = 0;  ///< window is a multiple of Tally::every, steps one of window
+  long sample = 0;                         ///< of fragments: a whole part of window, or whole windows; 0: none
 };
 Schedule schedule_of(const DemCase& dem_case);
 

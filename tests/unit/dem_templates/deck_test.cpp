@@ -155,11 +155,26 @@ TEST(InputScript, AgglomeratesTakeThePlaceOfThePopulation) {
   EXPECT_THAT(script_of(a_bowl()), Not(HasSubstr("granary/bond")));
 }
 
+TEST(Schedule, AWindowOfAgglomeratesIsWholeSamplesOrASampleWholeWindows) {
+  DemCase c = a_bowl();
+  c.agglomerates = Agglomerates{};
+  c.time_step = 4.9e-6;
+  c.tally = {0.05, 10, c.tally.class_edges};
+  const Schedule fine = schedule_of(c);
+  c.agglomerates->sample_every = 0.2;
+  const Schedule coarse = schedule_of(c);
+
+  EXPECT_EQ(fine.window % 10, 0);
+  EXPECT_EQ(fine.window, 5 * fine.sample);
+  EXPECT_NEAR(static_cast<double>(fine.sample) * c.time_step, 0.01, 1e-4);
+  EXPECT_EQ(coarse.sample, 4 * coarse.window);
+}
+
 TEST(InputScript, AgglomeratesLeaveAStateEachWindowAndGoOnFromIt) {
   DemCase c = a_bowl();
   c.agglomerates = Agglomerates{};
   c.settle_time = 0.1;
-  c.duration = 1.0;
+  c.duration = 1.0;  // windows of a hundredth of a second
   const std::string end = "110000 upto every 1000 \"write_restart restart.part\"";
 
   EXPECT_THAT(script_of(c), AllOf(HasSubstr(end), HasSubstr("granary/agglomerates"), Not(HasSubstr("goes_on"))));
