@@ -20,10 +20,10 @@ TEST(SlurmEstimation, SpreadsItsFillersOverAllNodesWhileTheCampaignRunsAndEndsWi
   if (!cluster.why_not().empty()) GTEST_SKIP() << "Slurm cannot be started here: " << cluster.why_not();
   const Scratch scratch;
   const fs::path dir = scratch / "run";
-  const auto submitted =
-      granary(small_estimation("submit", dir,
-                               {"/resources={\"nodes\": 4, \"walltime\": \"10 min\", \"stop_before\": \"1 min\"}",
-                                "/coupling/most_rounds=2", "/dem/particles=300", "/dem/longest_burst=\"0.12 s\""}));
+  const auto submitted = granary(
+      small_estimation("submit", dir,
+                       {"/resources={\"nodes\": 4, \"walltime\": \"10 min\", \"stop_before\": \"1 min\"}",
+                        "/coupling/most_rounds=2", "/coupling/least_rounds=2", "/dem/longest_burst=\"0.12 s\""}));
   ASSERT_EQ(0, submitted.exit_code) << submitted.err;
 
   ASSERT_TRUE(wait_until([&] { return fs::exists(dir / "report.html"); }, 200.0)) << granary({"status", dir}).out;
