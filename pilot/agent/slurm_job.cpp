@@ -15,7 +15,7 @@
 namespace granary::pilot {
 namespace {
 
-constexpr double kPatience = 60.0;  ///< with a busy controller [s]
+constexpr double kSlurmAnswers = 60.0;  ///< with a busy controller [s]
 constexpr std::int64_t kMegabyte = 1 << 20;
 
 std::string variable(const char* name) {
@@ -24,7 +24,7 @@ std::string variable(const char* name) {
 }
 
 Result<std::string> ask_slurm(const std::vector<std::string>& argv) {
-  GRANARY_TRY(const ProgramOutput output, run_program(argv, "", kPatience));
+  GRANARY_TRY(const ProgramOutput output, run_program(argv, "", kSlurmAnswers));
   if (output.exit_code == 0) return output.out;
   return Error{fmt::format("{} {}: {}", argv[0], argv[1], output.err), Exit::internal};
 }
