@@ -36,7 +36,6 @@ TEST(SlurmEstimation, SpreadsItsFillersOverAllNodesWhileTheCampaignRunsAndEndsWi
     if (entry.kind == "estimation")
       for (const std::int64_t core : entry.cores) nodes.insert(core / kCores);
   EXPECT_THAT(nodes, testing::ElementsAre(0, 1, 2, 3));
-  EXPECT_FALSE(results->estimation.cost.empty()) << "evaluations came back from there";
   // The DEM kept its core: what was put aside for it was resumed or started again, and none of it was lost.
   EXPECT_TRUE(records(dir, "task.lost").empty());
   EXPECT_EQ(1u, records(dir, "estimation.over").size());
