@@ -58,9 +58,9 @@ void check_mode(const Campaign& campaign, Checker& checker) {
   const pbm::PbmCase& balance = campaign.pbm_case;
   if (campaign.coupling.mode != Mode::pbm_only) {
     if (!needs_dem(balance))
-      checker.add(
-          "/coupling/mode", "nothing of the PBM takes anything from the DEM.",
-          R"(Give /pbm/aggregation a "dem" kernel or /pbm/breakage an "impact" selection, or set the mode to "pbm-only".)");
+      checker.add("/coupling/mode", "nothing of the PBM takes anything from the DEM.",
+                  R"(Give /pbm/aggregation a "dem" kernel or /pbm/breakage an "impact" selection, )"
+                  R"(or set the mode to "pbm-only".)");
     return;
   }
   if (balance.aggregation && balance.aggregation->kernel == Kernel::dem)

@@ -152,8 +152,9 @@ void expect_the_same_with_defaults_written_out(const char* text, const std::stri
 
 TEST(WorkflowSchema, HasTheDefaultsOfTheReader) {
   expect_the_same_with_defaults_written_out(R"({"granary": 1, "kind": "coupled", "name": "a",
-      "materials": {"solids": [{}, {}]}, "machine": {"type": "cm5", "impeller_speed": "2000 rpm"}, "feed": {"rate": "15 kg/h"},
-      "process": {"duration": "60 s", "residence_time": "5 s"}, "spray": {"liquid_to_solid": 0.3},
+      "materials": {"solids": [{}, {}]}, "machine": {"type": "cm5", "impeller_speed": "2000 rpm"},
+      "feed": {"rate": "15 kg/h"}, "process": {"duration": "60 s", "residence_time": "5 s"},
+      "spray": {"liquid_to_solid": 0.3},
       "pbm": {"aggregation": {}, "breakage": {}, "consolidation": {"rate": "1 1/s"}}})",
                                             "batch_bowl:", 70);
   expect_the_same_with_defaults_written_out(R"({"granary": 1, "kind": "coupled", "name": "a",
