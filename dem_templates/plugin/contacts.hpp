@@ -14,16 +14,15 @@
 
 namespace granary::dem {
 
-/// Calls found(i, j, slot) for every pair of the list; i is of this rank, j may be a ghost. With newton off a pair
-/// across a rank boundary is found by both ranks, any other once. Slots number the pairs, the same way until the list
-/// is made anew.
+/// Calls found(i, j) for every pair of the list; i is of this rank, j may be a ghost. With newton off a pair across a
+/// rank boundary is found by both ranks, any other once.
 template <class Found>
 void for_each_listed_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
   const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
-  std::size_t slot = 0;
   for (int n = 0; n < list.inum; ++n) {
-    const int i = list.ilist[n];
-    for (int k = 0; k < list.numneigh[i]; ++k, ++slot) found(i, list.firstneigh[i][k] & NEIGHMASK, slot);
+    const int i = list.ilist[n], n_neighbours = list.numneigh[i];
+    const int* const neighbours = list.firstneigh[i];
+    for (int k = 0; k < n_neighbours; ++k) found(i, neighbours[k] & NEIGHMASK);
   }
 }
 
@@ -46,13 +45,6 @@ void for_each_pair(LAMMPS_NS::LAMMPS& lammps, Found&& found) {
       found(i, j, slot, dx * dx + dy * dy + dz * dz, touching * touching);
     }
   }
-}
-
-inline std::size_t count_pairs(LAMMPS_NS::LAMMPS& lammps) {
-  const LAMMPS_NS::NeighList& list = *lammps.force->pair->list;
-  std::size_t n_pairs = 0;
-  for (int n = 0; n < list.inum; ++n) n_pairs += static_cast<std::size_t>(list.numneigh[list.ilist[n]]);
-  return n_pairs;
 }
 
 }  // namespace granary::dem

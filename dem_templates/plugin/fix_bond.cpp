@@ -142,7 +142,7 @@ void FixBond::new_list() {
   if (!watching()) return;
   if (made) history_.start(survey());
   if (fragments_old_) number_fragments();
-  for_each_listed_pair(*lmp, [this](int i, int j, std::size_t) {
+  for_each_listed_pair(*lmp, [this](int i, int j) {
     const double a = agglomerate_[static_cast<std::size_t>(i)], b = agglomerate_[static_cast<std::size_t>(j)];
     const bool strangers = a != b || a == 0.0;
     if (strangers || fragment_of(i) != fragment_of(j)) close_pairs_.push_back({i, j, strangers ? 1.0 : kOwnDebris});

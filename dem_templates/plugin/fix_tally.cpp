@@ -30,7 +30,8 @@ namespace {
 
 using Range = FixArguments::Range;
 
-constexpr long kLooksPerSurvey = 4;
+// Speeds and places change over collisions, some milliseconds, not over looks.
+constexpr long kLooksPerSurvey = 8;
 
 double square(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
@@ -211,38 +212,45 @@ void FixTally::look(Purpose purpose) {
     std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
 }
 
+void FixTally::list_pairs() {
+  pairs_.clear();
+  for_each_listed_pair(*lmp, [this](int i, int j) { pairs_.push_back({i, j, false}); });
+}
+
 void FixTally::look_at_pairs(Purpose purpose) {
   const bool fresh = flags_in_book_;
-  if (fresh) touching_.assign(count_pairs(*lmp), 0);
+  if (fresh) list_pairs();
   flags_in_book_ = false;
 
   const auto steps = static_cast<double>(static_cast<long>(update->ntimestep) - last_look_);
   const bool gaps = purpose == Purpose::count && steps > 1.0;
   note_reaches(gaps ? steps * update->dt : 0.0);
 
-  largest_pair_overlap_ = 0.0;
-  for_each_listed_pair(*lmp, [&](int i, int j, std::size_t slot) {
+  const Reach* const reaches = reaches_.data();
+  const double* const radius = atom->radius;
+  double largest_overlap = 0.0;
+  for (ListedPair& pair : pairs_) {
     // Most pairs are too far apart to touch now or to have touched since the last look: rounded numbers tell.
-    const Reach &a = reaches_[static_cast<std::size_t>(i)], &b = reaches_[static_cast<std::size_t>(j)];
+    const auto [i, j, touched] = pair;
+    const Reach &a = reaches[i], &b = reaches[j];
     const float dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z, reach = a.reach + b.reach;
     if (dx * dx + dy * dy + dz * dz >= reach * reach) {
-      touching_[slot] = 0;
-      return;
+      pair.touching = false;
+      continue;
     }
     const double *xi = atom->x[i], *xj = atom->x[j];
-    const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, touching = atom->radius[i] + atom->radius[j];
+    const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, touching = radius[i] + radius[j];
     const double distance2 = square(d);
-    if (distance2 >= touching * touching) {
-      if (gaps && !touching_[slot] && counts_here(i, j)) count_graze(i, j, touching, steps);
-      touching_[slot] = 0;
-      return;
+    pair.touching = distance2 < touching * touching;
+    if (!pair.touching) {
+      if (gaps && !touched && counts_here(i, j)) count_graze(i, j, touching, steps);
+      continue;
     }
-    const double smaller = std::min(atom->radius[i], atom->radius[j]);
-    largest_pair_overlap_ = std::max(largest_pair_overlap_, (touching - std::sqrt(distance2)) / smaller);
-    if (touching_[slot]) return;
-    touching_[slot] = 1;
-    if (purpose == Purpose::count && counts_here(i, j) && !(fresh && touched_before(i, j))) count_collision(i, j);
-  });
+    largest_overlap = std::max(largest_overlap, (touching - std::sqrt(distance2)) / std::min(radius[i], radius[j]));
+    if (touched || purpose == Purpose::remember || !counts_here(i, j)) continue;
+    if (!fresh || !touched_before(i, j)) count_collision(i, j);
+  }
+  largest_pair_overlap_ = largest_overlap;
 }
 
 // As far as a particle and its way in `time` go from its centre, and a little more than rounding takes.
@@ -356,21 +364,18 @@ void FixTally::survey(Purpose purpose) {
 // A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there only.
 bool FixTally::counts_here(int i, int j) const { return (atom->tag[i] < atom->tag[j] ? i : j) < atom->nlocal; }
 
-bool FixTally::touched_before(int i, int j) const {
-  const int owner = atom->tag[i] < atom->tag[j] ? i : j, other = owner == i ? j : i;
-  return book_.had_partner(static_cast<std::size_t>(owner), atom->tag[other]);
+bool FixTally::touched_before(int i, int j) {
+  return book_.touched(std::min(atom->tag[i], atom->tag[j]), std::max(atom->tag[i], atom->tag[j]));
 }
 
 // The last moment at which the old list's numbers are those of the particles.
 void FixTally::flags_to_book() {
   if (flags_in_book_) return;
   flags_in_book_ = true;
-  book_.forget_partners();
-  for_each_listed_pair(*lmp, [&](int i, int j, std::size_t slot) {
-    if (!touching_[slot] || !counts_here(i, j)) return;
-    const int owner = atom->tag[i] < atom->tag[j] ? i : j, other = owner == i ? j : i;
-    book_.note_partner(static_cast<std::size_t>(owner), atom->tag[other]);
-  });
+  book_.forget_pairs();
+  for (const auto& [i, j, touching] : pairs_)
+    if (touching && counts_here(i, j))
+      book_.note_pair(std::min(atom->tag[i], atom->tag[j]), std::max(atom->tag[i], atom->tag[j]));
 }
 
 void FixTally::leaves(int particle) {
@@ -420,9 +425,7 @@ Status FixTally::write_line(const json::Value& line) { return writer_ ? writer_-
 void FixTally::pre_exchange() {
   const double start = MPI_Wtime();
   flags_to_book();
-  std::size_t largest = 0;
-  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, book_.packed_size(static_cast<std::size_t>(i)));
-  comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(largest));
+  comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(book_.largest_packed()));
   own_seconds_ += MPI_Wtime() - start;
 }
 
@@ -433,11 +436,11 @@ void FixTally::copy_arrays(int from, int to, int) {
 void FixTally::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
 
 int FixTally::pack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), buffer));
+  return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), atom->tag[particle], buffer));
 }
 
 int FixTally::unpack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), buffer));
+  return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), atom->tag[particle], buffer));
 }
 
 }  // namespace granary::dem

@@ -49,11 +49,16 @@ class FixTally : public LAMMPS_NS::Fix {
     std::size_t place = 0;        ///< among the bodies of `walls`
   };
   enum class Purpose { remember, count };
+  struct ListedPair {
+    int i, j;       ///< i is of this rank, j may be a ghost
+    bool touching;  ///< at the last look
+  };
   struct Reach {
     float x, y, z;  ///< place of a particle [m]
     float reach;    ///< how far from there it may have touched something since the last look [m]
   };
 
+  void list_pairs();
   /// Which contacts exist, and which of them began since the last look.
   void look(Purpose purpose);
   void look_at_pairs(Purpose purpose);
@@ -73,7 +78,7 @@ class FixTally : public LAMMPS_NS::Fix {
   // The flags of the pairs belong to one neighbour list; what they say travels with the particles to the next.
   void flags_to_book();
   bool counts_here(int i, int j) const;
-  bool touched_before(int i, int j) const;
+  bool touched_before(int i, int j);
 
   void close_window();
   /// A line in the log: what the tally took.
@@ -90,7 +95,7 @@ class FixTally : public LAMMPS_NS::Fix {
 
   std::optional<Window> window_;
   ContactBook book_;
-  std::vector<char> touching_;                         ///< of each pair of the neighbour list, at the last look
+  std::vector<ListedPair> pairs_;                      ///< of the neighbour list
   bool flags_in_book_ = true;                          ///< a new neighbour list was made since the last look
   std::vector<std::array<double, 3>> ghost_velocity_;  ///< at the last look; empty after a new neighbour list
   std::vector<Reach> reaches_;                         ///< scratch: of particles and ghosts, at this look

@@ -47,6 +47,32 @@ TEST(Wall, GivesTheSameOnTwoRanksAsOnOne) {
   EXPECT_GT(a[34], 5.0);  // and on the drum
 }
 
+// The bed lies to the left of the middle of the box: without balance one rank would have it all.
+TEST(Balance, GivesEachRankAsMuchAndChangesNothing) {
+  const Folder folder;
+  write_baffle(folder);
+  Law law = kDrumLaw;
+  const std::string box = "-0.03 0.09 -0.06 0.06 -0.03 0.06";
+  const std::string end = bed() + "run 1\n" + run(1500, 300);
+  const auto one = frames_of(folder, drum_deck(law, box) + drum_walls(law) + end);
+
+  law.more = "processors 2 1 1\n";
+  const auto two = frames_of(folder,
+                             drum_deck(law, box) + drum_walls(law) +
+                                 "fix balance all granary/balance every 2\nvariable uneven equal f_balance\n"
+                                 "fix print all print 100 \"${uneven}\" file uneven.txt screen no\n" +
+                                 end,
+                             2);
+
+  EXPECT_LT(difference(one, two), 1e-8);
+  std::istringstream lines(folder.read("uneven.txt"));
+  std::vector<double> uneven;
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty() && line[0] != '#') uneven.push_back(std::stod(line));
+  ASSERT_GT(uneven.size(), 10u);
+  EXPECT_LT(uneven.back(), 1.2);  // 108 particles; 2 where one rank has them all
+}
+
 // Slow enough to roll, its springs loaded but not at their limits, when the first new neighbour list finds it beyond
 // the border at x = 0: what it remembers must go with it.
 TEST(Wall, CarriesTheHistoryOfATouchFromRankToRank) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace granary::dem {
@@ -20,27 +21,31 @@ class ContactBook {
     std::uint64_t bodies = 0;                                 ///< bit b: it touched body b at the last look
     double axial = std::numeric_limits<double>::quiet_NaN();  ///< place along the axis when last surveyed [m]
   };
-  Memory& memory(std::size_t particle) { return pages_[particle].memory; }
+  Memory& memory(std::size_t particle) { return memories_[particle]; }
 
-  // Partners are written down only while the caller's own list of pairs is being made anew.
-  void note_partner(std::size_t particle, std::int64_t partner) { pages_[particle].partners.push_back(partner); }
-  bool had_partner(std::size_t particle, std::int64_t partner) const;
-  void forget_partners();
+  // Pairs that touched at the last look, by their tags, are written down only while the caller's own list of pairs is
+  // being made anew. They go with the particle of the smaller tag, their owner.
+  void note_pair(std::int64_t owner, std::int64_t other) { pairs_.push_back({owner, other}); }
+  bool touched(std::int64_t owner, std::int64_t other);
+  void forget_pairs() {
+    pairs_.clear();
+    n_sorted_ = 0;
+  }
 
-  std::size_t size() const { return pages_.size(); }
-  void resize(std::size_t n_particles) { pages_.resize(n_particles); }
-  void copy(std::size_t from, std::size_t to) { pages_[to] = pages_[from]; }
-  void clear(std::size_t particle) { pages_[particle] = {}; }
-  std::size_t packed_size(std::size_t particle) const;             ///< doubles
-  std::size_t pack(std::size_t particle, double* buffer) const;    ///< returns packed_size()
-  std::size_t unpack(std::size_t particle, const double* buffer);  ///< returns how many were read
+  void resize(std::size_t n_particles) { memories_.resize(n_particles); }
+  void copy(std::size_t from, std::size_t to) { memories_[to] = memories_[from]; }
+  void clear(std::size_t particle) { memories_[particle] = {}; }
+  std::size_t largest_packed();                                                      ///< doubles, of any particle
+  std::size_t pack(std::size_t particle, std::int64_t tag, double* buffer);          ///< returns how many were written
+  std::size_t unpack(std::size_t particle, std::int64_t tag, const double* buffer);  ///< returns how many were read
 
  private:
-  struct Page {
-    Memory memory;
-    std::vector<std::int64_t> partners;  ///< particles with larger tags that it touched at the last look
-  };
-  std::vector<Page> pages_;
+  using Pair = std::pair<std::int64_t, std::int64_t>;
+  void sort();
+
+  std::vector<Memory> memories_;
+  std::vector<Pair> pairs_;
+  std::size_t n_sorted_ = 0;  ///< of the pairs, from the first on
 };
 
 }  // namespace granary::dem

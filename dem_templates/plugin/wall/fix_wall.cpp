@@ -26,6 +26,8 @@
 namespace granary::dem {
 namespace {
 
+constexpr std::size_t kAhead = 4;  // looks between asking the memory for what is known of a particle and using it
+
 void add(double* to, const Vector3& v) {
   for (std::size_t d = 0; d < 3; ++d) to[d] += v[d];
 }
@@ -147,17 +149,30 @@ void FixWall::push(bool frozen) {
     Watch& watch = watches_[b];
     std::fill_n(sums_[b].begin(), 7, 0.0);
     if (n_particles == 0) continue;
-    for (const std::uint32_t i : watch.due(body, atom->x[0], n_particles)) {
+    Push all;
+    const std::vector<std::uint32_t>& due = watch.due(body, atom->x[0], n_particles);
+    for (std::size_t n = 0; n < due.size(); ++n) {
+      if (n + kAhead < due.size()) {
+        watch.fetch(due[n + kAhead]);
+        book_.fetch(due[n + kAhead]);
+      }
+      const std::uint32_t i = due[n];
       if (!(atom->mask[i] & groupbit)) continue;
       const Vector3 place = vector_of(atom->x[i]), here = body.turned ? body.to_body(place) : place;
       const double clear = body.surface->touches(here, atom->radius[i], watch.nearby(i), found_);
       if (watch.may_have_passed(i, here, atom->radius[i])) refuse_if_passed(b, static_cast<int>(i), here);
       watch.looked(i, here, atom->radius[i], clear);
-      if (found_.empty())
+      if (found_.empty()) {
         book_.page(i).forget(static_cast<double>(b));
-      else
-        push(b, static_cast<int>(i), here, frozen);
+        continue;
+      }
+      const Push pushed = push(b, static_cast<int>(i), here, frozen);
+      all.force = all.force + pushed.force;
+      all.moment = all.moment + pushed.moment;
     }
+    add(&sums_[b][0], -1.0 * body.turn.to_lab(all.force));
+    add(&sums_[b][3], -1.0 * body.turn.to_lab(all.moment));
+    sums_[b][6] = dot(all.moment, body.spin());
   }
 }
 
@@ -175,7 +190,7 @@ void FixWall::refuse_if_passed(std::size_t b, int i, const Vector3& here) {
                  .c_str());
 }
 
-void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
+FixWall::Push FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
   const WallBody& body = bodies_[b];
   std::array<double, kSums>& sums = sums_[b];
   TouchBook::Page& page = book_.page(static_cast<std::size_t>(i));
@@ -219,12 +234,9 @@ void FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
     error->warning(FLERR,
                    "granary/wall: a particle touches bodies at more than 6 places: further ones keep no history");
   }
-  const Vector3 moment = cross(arm, push) + torque;
   add(atom->f[i], body.turn.to_lab(push));
   add(atom->torque[i], body.turn.to_lab(torque));
-  add(&sums[0], -1.0 * body.turn.to_lab(push));
-  add(&sums[3], -1.0 * body.turn.to_lab(moment));
-  sums[6] += dot(moment, wall_spin);
+  return {push, cross(arm, push) + torque};
 }
 
 void FixWall::wear_off(std::size_t b, const SurfaceTouch& touch, const WallApproach& approach, const WallForce& pushed,

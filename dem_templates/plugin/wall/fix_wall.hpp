@@ -88,8 +88,13 @@ class FixWall : public LAMMPS_NS::Fix {
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
-  /// Of one body on one particle that is at `here` in the body's frame and touches it as found_ says.
-  void push(std::size_t body, int particle, const Vector3& here, bool frozen);
+  struct Push {
+    Vector3 force{};   ///< [N]
+    Vector3 moment{};  ///< about the body's origin [N m]
+  };
+  /// Of one body on one particle that is at `here` in the body's frame and touches it as found_ says. Returns all that
+  /// pushes the particle, in the body's frame.
+  Push push(std::size_t body, int particle, const Vector3& here, bool frozen);
   /// Ends the run if the particle has leapt to the other side of the surface.
   void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
   void forget_looks(int particle);

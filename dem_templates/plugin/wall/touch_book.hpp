@@ -61,6 +61,8 @@ class TouchBook {
     }
   };
 
+  /// It will be asked for soon.
+  void fetch(std::size_t particle) const { __builtin_prefetch(&pages_[particle]); }
   Page& page(std::size_t particle) { return pages_[particle]; }
   const Page& page(std::size_t particle) const { return pages_[particle]; }
 

@@ -9,19 +9,21 @@
 namespace granary::dem {
 namespace {
 
+constexpr std::int64_t kTag = 4, kFar = 2000000001;
+
 ContactBook book_with_one() {
   ContactBook book;
   book.resize(3);
-  book.note_partner(2, 7);
-  book.note_partner(2, 2000000001);
+  for (const std::int64_t owner : {kTag + 1, kTag, kTag - 1}) book.note_pair(owner, 7);
+  book.note_pair(kTag, kFar);
   book.memory(2) = {true, {1.0, 2.0, 3.0}, (std::uint64_t{1} << (kMostBodies - 1)) | 5, 0.5};
   return book;
 }
 
 void expect_same(ContactBook& book, std::size_t particle) {
-  EXPECT_TRUE(book.had_partner(particle, 7));
-  EXPECT_TRUE(book.had_partner(particle, 2000000001));
-  EXPECT_FALSE(book.had_partner(particle, 8));
+  EXPECT_TRUE(book.touched(kTag, 7));
+  EXPECT_TRUE(book.touched(kTag, kFar));
+  EXPECT_FALSE(book.touched(kTag, 8));
   EXPECT_TRUE(book.memory(particle).known);
   EXPECT_EQ(book.memory(particle).velocity[2], 3.0);
   EXPECT_EQ(book.memory(particle).bodies, (std::uint64_t{1} << (kMostBodies - 1)) | 5);
@@ -36,32 +38,42 @@ TEST(ContactBook, FollowsAParticleThatIsRenumbered) {
 }
 
 TEST(ContactBook, FollowsAParticleToAnotherRank) {
-  const ContactBook here = book_with_one();
-  std::vector<double> buffer(here.packed_size(2), -1.0);
-  EXPECT_EQ(here.pack(2, buffer.data()), buffer.size());
+  ContactBook here = book_with_one();
+  std::vector<double> buffer(here.largest_packed(), -1.0);
+  EXPECT_EQ(here.pack(2, kTag, buffer.data()), buffer.size());
+  EXPECT_EQ(buffer.size(), 9u);
 
   ContactBook there;
   there.resize(2);
-  there.note_partner(1, 99);
-  EXPECT_EQ(there.unpack(1, buffer.data()), buffer.size());
+  there.note_pair(kTag, 99);
+  there.forget_pairs();
+  EXPECT_EQ(there.unpack(1, kTag, buffer.data()), buffer.size());
   expect_same(there, 1);
-  EXPECT_FALSE(there.had_partner(1, 99));
+  EXPECT_FALSE(there.touched(kTag, 99));
+  EXPECT_FALSE(there.touched(kTag + 1, 7));
 }
 
 TEST(ContactBook, KnowsNothingOfAParticleThatIsNew) {
   ContactBook book = book_with_one();
   book.clear(2);
   EXPECT_FALSE(book.memory(2).known);
-  EXPECT_FALSE(book.had_partner(2, 7));
   EXPECT_EQ(book.memory(2).bodies, 0u);
   EXPECT_TRUE(std::isnan(book.memory(2).axial));
 }
 
-TEST(ContactBook, KeepsItsMemoriesWhenItForgetsPartners) {
+TEST(ContactBook, KeepsItsMemoriesWhenItForgetsPairs) {
   ContactBook book = book_with_one();
-  book.forget_partners();
-  EXPECT_FALSE(book.had_partner(2, 7));
+  book.forget_pairs();
+  EXPECT_FALSE(book.touched(kTag, 7));
   EXPECT_TRUE(book.memory(2).known);
+}
+
+TEST(ContactBook, KnowsPairsThatArriveAmongThoseItHas) {
+  ContactBook book = book_with_one();
+  EXPECT_TRUE(book.touched(kTag + 1, 7));
+  book.note_pair(1, 2);
+  EXPECT_TRUE(book.touched(1, 2));
+  EXPECT_TRUE(book.touched(kTag + 1, 7));
 }
 
 }  // namespace
