@@ -206,6 +206,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"quick", "usual", "full"}));
   bench_estimation->add_option("--workflow", estimation_options.workflow,
                                "Also run this coupled campaign with its estimation and without");
+  bench_estimation->add_option("--plot", estimation_options.plot, "Draw the twin experiments into this SVG file");
   bench_estimation->add_flag("--json", estimation_options.json, "Print one JSON document on stdout and nothing else");
   bench_estimation->callback([&] { chosen = [&] { return commands::bench_estimation(estimation_options); }; });
 

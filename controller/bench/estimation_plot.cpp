@@ -25,7 +25,7 @@ set multiplot layout 1,2
 constexpr const char* kShares = R"(set title 'truth in the 95 % interval' textcolor rgb '#0f172a'
 set object rectangle from 1,90 to 7,99 fc rgb '#dcfce7' fs solid noborder behind
 set yrange [60:102]
-set ytics ('60 %' 60, '70 %' 70, '80 %' 80, '90 %' 90, '95 %' 95, '100 %' 100)
+set ytics ('60 %%' 60, '70 %%' 70, '80 %%' 80, '90 %%' 90, '95 %%' 95, '100 %%' 100)
 unset key
 )";
 constexpr const char* kCosts = R"(

@@ -5,6 +5,7 @@
 
 #include "common/json/io.hpp"
 #include "controller/bench/estimation_bench.hpp"
+#include "controller/bench/estimation_plot.hpp"
 #include "controller/bench/scratch_folder.hpp"
 #include "controller/commands/commands.hpp"
 
@@ -27,6 +28,7 @@ Result<Exit> bench_estimation(const EstimationBenchOptions& options) {
                 fmt::print(stderr, "bench estimation: {:6.1f} s  {}\n", seconds(), what);
               }));
   document.set("wall_s", seconds());
+  if (!options.plot.empty()) GRANARY_CHECK(bench::draw_twins(document, options.plot));
   fmt::print(stderr, "bench estimation: {:6.1f} s  done\n", seconds());
   fmt::print("{}\n", options.json ? json::dump(document, 1) : bench::estimation_table(document));
   return Exit::ok;

@@ -49,6 +49,7 @@ struct EstimationBenchOptions {
   std::string effort = "usual";  ///< quick, usual, full
   bool json = false;
   std::filesystem::path workflow;  ///< a coupled campaign with an estimation, to run on and off; empty: none
+  std::filesystem::path plot;      ///< of the twin experiments, an SVG file; empty: none
 };
 
 Result<Exit> run(const RunOptions& options);
