@@ -135,6 +135,7 @@ std::optional<Spawned> PreparedProcesses::start(const SpawnRequest& request) {
     // tells if it may not.)
     if (!request.cpus.empty()) (void)sched_setaffinity(slot->pid, sizeof process.child->cpus, &process.child->cpus);
     slot->child = process.child.get();
+    (void)kill(slot->pid, SIGCONT);  // somebody may have stopped all that has our name
     slot->phase = taken;
     wake(slot->phase);
     return process;

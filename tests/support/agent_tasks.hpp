@@ -131,6 +131,12 @@ struct AgentPids {
   int guardian = 0, worker = 0;
 };
 
+/// Whether this is a process that waits for a task: it has its maker's command line, but nothing open except /dev/null.
+inline bool is_prepared(const fs::path& process) {
+  std::error_code error;
+  return fs::read_symlink(process / "fd/0", error) == "/dev/null" && !fs::exists(process / "fd/3", error);
+}
+
 /// The agent of a node of a campaign, as this machine sees its two processes.
 inline AgentPids agent_of(const fs::path& dir, const std::string& node) {
   AgentPids pids;
@@ -139,7 +145,8 @@ inline AgentPids agent_of(const fs::path& dir, const std::string& node) {
     if (pid <= 0) continue;
     std::string words = text_in(entry.path() / "cmdline"), env = text_in(entry.path() / "environ");
     std::replace(words.begin(), words.end(), '\0', ' ');
-    if (words.starts_with("granary-agent --worker " + dir.string() + " " + node + " ")) pids.worker = pid;
+    const std::string worker = "granary-agent --worker " + dir.string() + " " + node + " ";
+    if (words.starts_with(worker) && !is_prepared(entry.path())) pids.worker = pid;
     const bool is_guardian =
         words.find("granary-agent " + dir.string() + " ") != std::string::npos && !words.starts_with("srun");
     const bool named = words.ends_with(" " + node + " ") ||
