@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kPatience = 3;  // ensembles that are no better than the best before them
+constexpr std::size_t kPatience = 3;  // ensembles in a row whose median cost is no better than the best before them
 
 class EnsembleKalman final : public Population {
  public:
@@ -25,7 +25,8 @@ class EnsembleKalman final : public Population {
 
   std::string name() const override { return name_of(Method::ensemble_kalman); }
 
-  // An ensemble with noise of its own stays as wide as the data leave it: it is the cost that comes to rest.
+  // An ensemble with noise of its own stays as wide as the data leave it: it is the cost that comes to rest, that of
+  // the median member, since a lucky first throw may stay the best for long.
   bool converged() const override { return full() && turn_ > improved_at_ + kPatience * most_; }
 
  private:
@@ -58,7 +59,13 @@ class EnsembleKalman final : public Population {
       members_[turn_++ % members_.size()] = member;
       due_.push_back(moved(member));
     }
-    if (member.cost < least_ - 1e-3 * std::max(1.0, member.cost)) least_ = member.cost, improved_at_ = turn_;
+    if (full() && turn_ >= next_look_) {
+      std::vector<double> costs;
+      for (const Member& m : members_) costs.push_back(m.cost);
+      const double middle = median(costs);
+      if (middle < least_ - 1e-3 * std::max(1.0, middle)) least_ = middle, improved_at_ = turn_;
+      next_look_ = turn_ + most_;
+    }
   }
 
   Point moved(const Member& member) {
@@ -90,8 +97,8 @@ class EnsembleKalman final : public Population {
     return to;
   }
 
-  double least_ = 1e300;  ///< cost, so far; from
-  std::size_t improved_at_ = 0;
+  double least_ = 1e300;                         ///< median cost of an ensemble so far,
+  std::size_t next_look_ = 0, improved_at_ = 0;  ///< since this turn
   std::deque<Point> due_;
 };
 
