@@ -31,8 +31,10 @@ class Estimate : public ::testing::Test {
   /// Numbers of all trials in the log; each must be there once.
   std::set<std::int64_t> trials() const {
     std::set<std::int64_t> numbers;
-    for (const Value& line : log())
-      if (line.find("trial") != nullptr) EXPECT_TRUE(numbers.insert(line["trial"].as_integer()).second);
+    for (const Value& line : log()) {
+      if (line.find("trial") == nullptr) continue;
+      EXPECT_TRUE(numbers.insert(line["trial"].as_integer()).second);
+    }
     return numbers;
   }
   bool waits_for(std::size_t n_trials) const {
