@@ -48,7 +48,7 @@ std::vector<json::Value> tallies(int n, const std::function<void(int, TallyLine&
   return lines;
 }
 
-TEST(Watch, SeesCollisionsImpactsAndMeanSpeedsOfADemDrift) {
+TEST(WatchedDrift, SeesCollisionsImpactsAndMeanSpeedsOfADemDrift) {
   const auto of = [](auto change) {
     return judge(Program::dem, tallies(12, [&](int w, TallyLine& line) {
                    if (w >= 6) change(line);
@@ -64,7 +64,7 @@ TEST(Watch, SeesCollisionsImpactsAndMeanSpeedsOfADemDrift) {
       << "ten particles are too few to watch";
 }
 
-TEST(Watch, SeesD50AndNumberOfEachCompartmentOfAPbmDrift) {
+TEST(WatchedDrift, SeesD50AndNumberOfEachCompartmentOfAPbmDrift) {
   const auto of = [](const std::vector<double>& d50, const std::vector<double>& number) {
     return judge(Program::pbm, {a_progress_header(), a_progress_line(8.0, {4e-5, 5e-5}, {1e9, 2e9}, {1e-5, 1e-5}),
                                 a_progress_line(8.2, d50, number, {1e-5, 1e-5})});
@@ -81,7 +81,7 @@ TEST(Watch, SeesD50AndNumberOfEachCompartmentOfAPbmDrift) {
   EXPECT_EQ(Outcome::ended, of({4.4e-5, 5.5e-5}, {1.1e9, 2.2e9}).outcome);
 }
 
-TEST(Watch, IgnoresWhatHappensInANearlyEmptyCompartment) {
+TEST(WatchedDrift, IgnoresWhatHappensInANearlyEmptyCompartment) {
   const Verdict said =
       judge(Program::pbm, {a_progress_header(), a_progress_line(0.0, {4e-5, 1e-5}, {1e9, 1e3}, {1e-5, 1e-12}),
                            a_progress_line(0.2, {4e-5, 9e-5}, {1e9, 5e3}, {1e-5, 1e-12})});
@@ -89,7 +89,7 @@ TEST(Watch, IgnoresWhatHappensInANearlyEmptyCompartment) {
   EXPECT_EQ(Outcome::ended, said.outcome) << said.message;
 }
 
-TEST(Watch, SeesTheHoldUpArriveInAnEmptyCompartment) {
+TEST(WatchedDrift, SeesTheHoldUpArriveInAnEmptyCompartment) {
   const Verdict said =
       judge(Program::pbm, {a_progress_header(), a_progress_line(0.0, {4e-5, 0.0}, {1e9, 0.0}, {1e-5, 0.0}),
                            a_progress_line(0.2, {4e-5, 4e-5}, {1e9, 1e8}, {1e-5, 1e-6})});
@@ -98,7 +98,7 @@ TEST(Watch, SeesTheHoldUpArriveInAnEmptyCompartment) {
   EXPECT_EQ("compartment 2", said.where);
 }
 
-TEST(Watch, StartsAtTheFirstParticlesOfAProcessThatFillsFromNothing) {
+TEST(WatchedDrift, StartsAtTheFirstParticlesOfAProcessThatFillsFromNothing) {
   const Verdict said =
       judge(Program::pbm, {a_progress_header(), a_progress_line(0.0, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}),
                            a_progress_line(0.2, {4e-5, 4e-5}, {1e9, 1e9}, {1e-5, 1e-5}),
@@ -107,7 +107,7 @@ TEST(Watch, StartsAtTheFirstParticlesOfAProcessThatFillsFromNothing) {
   EXPECT_EQ(Outcome::ended, said.outcome) << said.message;
 }
 
-TEST(Watch, PassesOnWhatTheProgramSaysOfItsDivergence) {
+TEST(WatchedDrift, PassesOnWhatTheProgramSaysOfItsDivergence) {
   const auto line = json::parse(R"({"diverged": {"cause": "overlap", "value": 0.41, "bound": 0.2, "time_s": 0.071,
                                     "message": "largest overlap 0.41", "settings": ["/dem/time_step"]}})",
                                 "test");
@@ -121,7 +121,7 @@ TEST(Watch, PassesOnWhatTheProgramSaysOfItsDivergence) {
   EXPECT_EQ("/dem/time_step", said.details["settings"].items()[0].as_string());
 }
 
-TEST(Watch, CallsAPbmThatIsNotANumberDiverged) {
+TEST(WatchedDrift, CallsAPbmThatIsNotANumberDiverged) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Verdict said =
       judge(Program::pbm, {a_progress_header(), a_progress_line(0.2, {4e-5, nan}, {1e9, 1e9}, {1e-5, 1e-5})});
@@ -130,7 +130,7 @@ TEST(Watch, CallsAPbmThatIsNotANumberDiverged) {
   EXPECT_THAT(said.message, HasSubstr("d50_m in compartment 2 is not a number"));
 }
 
-TEST(Watch, NamesFileLineAndMemberOfABadLine) {
+TEST(WatchedDrift, NamesFileLineAndMemberOfABadLine) {
   Watch watch(Program::dem, no_grace(Program::dem), "0001-dem/tallies.jsonl");
   ASSERT_TRUE(watch.take(a_tally_header()));
   json::Value short_line = TallyLine{}.json();
@@ -146,7 +146,7 @@ TEST(Watch, NamesFileLineAndMemberOfABadLine) {
   EXPECT_EQ(Exit::bad_input, said.error().exit);
 }
 
-TEST(Watch, RefusesAFileOfAnotherProgram) {
+TEST(WatchedDrift, RefusesAFileOfAnotherProgram) {
   Watch watch(Program::dem, no_grace(Program::dem), "tallies.jsonl");
   EXPECT_FALSE(watch.take(a_progress_header()));
 }
