@@ -5,7 +5,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "common/files.hpp"
@@ -24,6 +28,15 @@ struct flock whole_file() {
 
 std::filesystem::path lock_file(const std::filesystem::path& dir) { return dir / "pilot.lock"; }
 
+/// A process that a pilot was just making when it was killed holds the lock until it has closed its files.
+constexpr int kMostAttempts = 50;
+constexpr std::chrono::milliseconds kBetweenAttempts{10};
+
+bool is_gone(const std::string& pid) {
+  const long number = std::strtol(pid.c_str(), nullptr, 10);
+  return number > 0 && kill(static_cast<pid_t>(number), 0) != 0 && errno == ESRCH;
+}
+
 }  // namespace
 
 Result<RunLock> RunLock::take(const std::filesystem::path& dir) {
@@ -33,10 +46,14 @@ Result<RunLock> RunLock::take(const std::filesystem::path& dir) {
   if (fd < 0) return Error{fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno))};
   RunLock lock(fd);
   struct flock wanted = whole_file();
-  if (fcntl(fd, F_OFD_SETLK, &wanted) != 0) {
+  for (int attempt = 0; fcntl(fd, F_OFD_SETLK, &wanted) != 0; ++attempt) {
     if (errno != EAGAIN && errno != EACCES)
       return Error{fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno))};
     const std::string pid = read_text(file).value_or("?");
+    if (attempt < kMostAttempts && is_gone(pid)) {
+      std::this_thread::sleep_for(kBetweenAttempts);
+      continue;
+    }
     return Error{fmt::format(
         "{}: a pilot is running on this folder (process {}). See `granary status`, or end it with `granary stop`.",
         dir.string(), pid.substr(0, pid.find('\n')))};
