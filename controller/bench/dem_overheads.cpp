@@ -21,7 +21,8 @@ constexpr double kProcess = 10.0;  // [s]
 
 /// What the tally adds to a step, over the time of the pair forces in it.
 Result<Value> tally_overhead(Effort effort, const fs::path& scratch) {
-  const dem::DemCase c = mixer_case({{0.004, 2300}});
+  dem::DemCase c = mixer_case({{0.004, 2300}});
+  c.tally.every = dem::automatic_tally_every(c);  // as a workflow has it that does not say
   GRANARY_TRY(const State state, settled_state(c, 3, scratch / "overhead-tally"));
   std::vector<double> bare, tallied, pair;
   const long steps = by_effort(effort, 2000L, 4000L, 8000L);
