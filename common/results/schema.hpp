@@ -196,7 +196,8 @@ inline constexpr Dataset kFinalTime{"/estimation/final_time", "F", "s",
 inline constexpr Dataset kFinalD10{"/estimation/final_d10", "F", "m", "d10 of what flows out in it"};
 inline constexpr Dataset kFinalD50{"/estimation/final_d50", "F", "m", "d50 of what flows out in it"};
 inline constexpr Dataset kFinalD90{"/estimation/final_d90", "F", "m", "d90 of what flows out in it"};
-inline constexpr Dataset kFitWarnings{"/estimation/warnings", "Z", "text", "what to know before the estimate is trusted"};
+inline constexpr Dataset kFitWarnings{"/estimation/warnings", "Z", "text",
+                                      "what to know before the estimate is trusted"};
 inline constexpr Dataset kFitPhase{
     "/estimation/phase", "1", "text",
     "how far it came: search, uncertainty, posterior, done; empty if nothing was fitted"};
