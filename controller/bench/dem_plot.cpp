@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/files.hpp"
+#include "controller/bench/plot_style.hpp"
 #include "pilot/launch/draw_svg.hpp"
 
 namespace granary::bench {
@@ -14,12 +15,7 @@ namespace {
 
 using json::Value;
 
-constexpr const char* kStyle = R"(set encoding utf8
-set terminal svg noenhanced size 980,{} dynamic font 'system-ui,sans-serif,14' background '#ffffff'
-set border 3 lc rgb '#94a3b8' lw 1
-set tics out nomirror scale 0.5 textcolor rgb '#334155'
-set grid xtics ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
-)";
+constexpr const char* kGrid = "set grid xtics ytics lt 1 lw 0.6 lc rgb '#e2e8f0'\n";
 
 struct Look {
   const char *choice, *colour;
@@ -68,7 +64,7 @@ std::string panel_script(const Value& rows, const Panel& panel, int row) {
 }
 
 std::string choices_script(const Value& rows) {
-  std::string script = fmt::format(kStyle, 860);
+  std::string script = plot_style(980, 860, 14) + kGrid;
   script +=
       "set multiplot layout 2,2\nset logscale x\nset xrange [5:300]\nset xlabel 'core seconds for a second of "
       "process'\n"
@@ -88,7 +84,7 @@ std::string speed_script(const Value& rows) {
                         row.integer_or("ranks", 1) > 1 ? fmt::format(", {} ranks", row.integer_or("ranks", 1)) : "",
                         row.number_or("stock_ms_per_step", 0.0), row.number_or("granary_ms_per_step", 0.0),
                         row["ratio"].is_number() ? fmt::format("{:.1f}x", row.number_or("ratio", 0.0)) : "stock fails");
-  return fmt::format(kStyle, 420) +
+  return plot_style(980, 420, 14) + kGrid +
          fmt::format(
              "$speed << EOD\n{}EOD\n"
              "set logscale y\nset ylabel 'ms a step'\nset yrange [0.05:*]\nset style fill solid 0.9 noborder\n"

@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 #include "common/files.hpp"
 #include "common/json/io.hpp"
 #include "common/math/percentile.hpp"
 #include "controller/bench/idle_cores.hpp"
+#include "controller/bench/stopwatch.hpp"
 #include "controller/estimation/estimation_run.hpp"
 #include "pilot/launch/local_launcher.hpp"
 #include "pilot/launch/run_program.hpp"
@@ -89,12 +89,12 @@ Result<double> evaluator_start_up(const fs::path& dir) {
   GRANARY_CHECK(json::write_file(trials, Value::object({{"trials", Value::array()}})));
   std::vector<double> seconds;
   for (int k = 0; k < 9; ++k) {
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = Clock::now();
     GRANARY_TRY(const pilot::ProgramOutput ended, pilot::run_program({granary_pbm(), "evaluate", problem.string(),
                                                                       trials.string(), "--out", out.string()},
                                                                      "", kTimeout));
     if (ended.exit_code != 0) return Error{"granary-pbm evaluate: " + ended.err, Exit::task_failed};
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    seconds.push_back(seconds_since(began));
   }
   return median(seconds);
 }

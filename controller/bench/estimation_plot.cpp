@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "controller/bench/plot_style.hpp"
 #include "estimation/search/search.hpp"
 #include "pilot/launch/draw_svg.hpp"
 
@@ -12,11 +13,7 @@ namespace {
 
 using json::Value;
 
-constexpr const char* kStyle = R"(set encoding utf8
-set terminal svg noenhanced size 1000,430 dynamic font 'system-ui,sans-serif,14' background '#ffffff'
-set border 3 lc rgb '#94a3b8' lw 1
-set tics out nomirror scale 0.5 textcolor rgb '#334155'
-set grid ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
+constexpr const char* kAxes = R"(set grid ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
 set xlabel 'parameters' textcolor rgb '#334155'
 set xrange [1:7]
 set xtics (2, 4, 6)
@@ -63,7 +60,8 @@ std::string twins_script(const Value& document) {
     }
     ++method;
   }
-  return kStyle + data + kShares + shares + kCosts + costs + "\nunset multiplot\nunset output\n";
+  return plot_style(1000, 430, 14) + kAxes + data + kShares + shares + kCosts + costs +
+         "\nunset multiplot\nunset output\n";
 }
 
 Status draw_twins(const Value& document, const std::filesystem::path& file) {

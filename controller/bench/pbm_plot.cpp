@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 
+#include "controller/bench/plot_style.hpp"
 #include "pilot/launch/draw_svg.hpp"
 
 namespace granary::bench {
@@ -12,11 +13,7 @@ namespace {
 
 using json::Value;
 
-constexpr const char* kStyle = R"(set encoding utf8
-set terminal svg noenhanced size 860,520 dynamic font 'system-ui,sans-serif,15' background '#ffffff'
-set border 3 lc rgb '#94a3b8' lw 1
-set tics out nomirror scale 0.5 textcolor rgb '#334155'
-set xlabel 'CPU time on one core' textcolor rgb '#334155'
+constexpr const char* kAxes = R"(set xlabel 'CPU time on one core' textcolor rgb '#334155'
 set ylabel 'L1 error of the numbers' textcolor rgb '#334155'
 set title 'Aggregation of two solids on n x n classes, against the exact solution' textcolor rgb '#0f172a'
 set grid xtics ytics lt 1 lw 0.6 lc rgb '#e2e8f0'
@@ -56,7 +53,7 @@ std::string work_precision_script(const Value& document) {
                           bins == curves.begin()->first ? fmt::format("title '{}'", look.title) : "notitle");
     }
   }
-  return kStyle + data + labels + plot + "\nunset output\n";
+  return plot_style(860, 520, 15) + kAxes + data + labels + plot + "\nunset output\n";
 }
 
 Status draw_work_precision(const Value& document, const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // The figures of the report: what is drawn of which results, in what units, and what is said below it.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,10 @@ std::vector<Figure> rate_figures(const CampaignResults& results);
 std::vector<Figure> dem_figures(const CampaignResults& results);
 /// What ran where and when, and how many cores were busy.
 std::vector<Figure> core_figures(const CampaignResults& results);
+
+/// Draws those that have something to draw as SVG files "FOLDER/PREFIXd50.svg". Errors: those of the plotter; a full
+/// disk.
+Status write_figures(const std::vector<Figure>& figures, Plotter& plotter, const std::filesystem::path& folder,
+                     const std::string& prefix);
 
 }  // namespace granary::report

@@ -179,6 +179,13 @@ std::string header_html(const CampaignResults& r) {
 
 }  // namespace
 
+std::vector<Figure> figures_of(const CampaignResults& results) {
+  std::vector<Figure> all;
+  for (Section& section : sections_of(results))
+    std::move(section.figures.begin(), section.figures.end(), std::back_inserter(all));
+  return all;
+}
+
 Result<std::string> report_html(const CampaignResults& results, Plotter& plotter) {
   return page_html(
       {results.provenance.name + " – Granary report", header_html(results), cards(results), sections_of(results)},

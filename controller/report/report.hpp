@@ -7,6 +7,7 @@
 
 #include "common/result.hpp"
 #include "common/results/campaign_results.hpp"
+#include "controller/report/figures.hpp"
 #include "controller/report/plotter.hpp"
 
 namespace granary::report {
@@ -14,6 +15,9 @@ namespace granary::report {
 /// The page as HTML text. Plots without data are left out and the page says so; every text of the results is escaped.
 /// Errors: those of the plotter.
 Result<std::string> report_html(const CampaignResults& results, Plotter& plotter);
+
+/// The page's figures, in its order.
+std::vector<Figure> figures_of(const CampaignResults& results);
 
 /// Reads the results, draws with gnuplot and writes the page (beside it first, then renamed over it). The results are
 /// only read. Errors: results that cannot be read, no gnuplot, a page that cannot be written.

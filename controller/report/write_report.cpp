@@ -1,5 +1,4 @@
 #include "common/files.hpp"
-#include "controller/report/figures.hpp"
 #include "controller/report/gnuplot.hpp"
 #include "controller/report/report.hpp"
 
@@ -15,12 +14,16 @@ Status write_report(const std::filesystem::path& results_h5, const std::filesyst
 Status write_figures(const std::filesystem::path& results_h5, const std::filesystem::path& folder,
                      const std::string& prefix) {
   GRANARY_TRY(const CampaignResults results, read_results(results_h5));
-  std::vector<Plot> plots;
-  for (const auto& part : {process_figures, size_figures, rate_figures, dem_figures, core_figures})
-    for (Figure& figure : part(results))
-      if (!figure.plot.script.empty()) plots.push_back(std::move(figure.plot));
   GnuplotPlotter gnuplot;
-  GRANARY_TRY(const std::vector<std::string> drawings, gnuplot.draw(plots));
+  return write_figures(figures_of(results), gnuplot, folder, prefix);
+}
+
+Status write_figures(const std::vector<Figure>& figures, Plotter& plotter, const std::filesystem::path& folder,
+                     const std::string& prefix) {
+  std::vector<Plot> plots;
+  for (const Figure& figure : figures)
+    if (!figure.plot.script.empty()) plots.push_back(figure.plot);
+  GRANARY_TRY(const std::vector<std::string> drawings, plotter.draw(plots));
   GRANARY_CHECK(make_folders(folder));
   for (std::size_t i = 0; i < plots.size(); ++i)
     GRANARY_CHECK(write_text_atomically(folder / (prefix + plots[i].id + ".svg"), as_file(drawings[i])));

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 #include <tuple>
 
 #include "common/json/io.hpp"
+#include "common/math/percentile.hpp"
 
 namespace granary::sweep {
 namespace {
@@ -94,19 +96,9 @@ void bootstrap(const std::vector<ResolvedCase>& cases, const CauseGroups& groups
   }
 }
 
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 /// The middle 95 %.
-std::pair<double, double> interval_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
-  };
-  return {at(0.025), at(0.975)};
+std::pair<double, double> interval_of(const std::vector<double>& values) {
+  return {percentile(values, 0.025), percentile(values, 0.975)};
 }
 
 CauseGroups groups_of(const std::vector<ResolvedCase>& cases, std::map<std::string, long>& splits) {
@@ -135,7 +127,7 @@ std::pair<double, double> BreakageKernel::CauseLaw::interval(std::size_t j) cons
   if (replicas.empty()) return {c - error, c + error};
   std::vector<double> drawn;
   for (const auto& coefficients : replicas) drawn.push_back(coefficients[j]);
-  return interval_of(std::move(drawn));
+  return interval_of(drawn);
 }
 
 estimation::Rate BreakageKernel::rate(double size, const ResolvedCase& one) const {
@@ -148,13 +140,14 @@ estimation::Rate BreakageKernel::rate(double size, const ResolvedCase& one) cons
     sum.value += part.value;
     below += std::pow(part.value - part.low, 2);
     above += std::pow(part.high - part.value, 2);
-    for (std::size_t r = 0; r < drawn.size(); ++r) drawn[r] += std::exp(product(cause.replicas[r], features));
+    for (std::size_t r = 0; r < drawn.size(); ++r)
+      drawn[r] += std::exp(std::inner_product(features.begin(), features.end(), cause.replicas[r].begin(), 0.0));
   }
   if (drawn.empty()) {  // as if the causes' errors were independent: their variances add
     sum.low = std::max(0.0, sum.value - std::sqrt(below));
     sum.high = sum.value + std::sqrt(above);
   } else {
-    std::tie(sum.low, sum.high) = interval_of(std::move(drawn));
+    std::tie(sum.low, sum.high) = interval_of(drawn);
   }
   return sum;
 }
@@ -184,8 +177,9 @@ Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const 
   kernel.bounds = estimation::size_bounds(kernel.spheres);
   std::map<std::string, long> splits;
   const CauseGroups groups = groups_of(cases, splits);
+  const auto records = records_of(cases);
   for (const auto& group : groups) {
-    GRANARY_TRY(auto law, law_of(cases, records_of(cases), group, by));
+    GRANARY_TRY(auto law, law_of(cases, records, group, by));
     kernel.causes.push_back({group.first, splits[group.first], std::move(law), {}});
   }
   if (kernel.causes.empty()) return Error{"nothing broke in the cases that were to be fitted."};

@@ -262,15 +262,9 @@ std::vector<report::Figure> figures_over_time(const SweepResults& results) {
 
 Status write_figures(const SweepResults& results, report::Plotter& plotter, const fs::path& folder,
                      const std::string& prefix) {
-  std::vector<report::Plot> plots;
-  for (const auto& figures : {figures_over_setting(results), figures_over_time(results)})
-    for (const report::Figure& figure : figures)
-      if (!figure.plot.script.empty()) plots.push_back(figure.plot);
-  GRANARY_TRY(const auto drawn, plotter.draw(plots));
-  GRANARY_CHECK(make_folders(folder));
-  for (std::size_t i = 0; i < plots.size(); ++i)
-    GRANARY_CHECK(write_text_atomically(folder / (prefix + plots[i].id + ".svg"), report::as_file(drawn[i])));
-  return {};
+  std::vector<report::Figure> figures = figures_over_setting(results);
+  for (report::Figure& figure : figures_over_time(results)) figures.push_back(std::move(figure));
+  return report::write_figures(figures, plotter, folder, prefix);
 }
 
 Result<std::string> page(const SweepResults& results, report::Plotter& plotter) {

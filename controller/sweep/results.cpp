@@ -144,6 +144,44 @@ Spread spread_of(const Repeats& repeats, const std::string& figure) {
   return spread_of(values);
 }
 
+namespace {
+
+json::Value conditions_json(const SweepResults& results, const std::vector<std::string>& values) {
+  json::Value settings = json::Value::object();
+  const auto names = conditions_of(results);
+  for (std::size_t k = 0; k < names.size(); ++k) settings.set(names[k], values[k]);
+  return settings;
+}
+
+json::Value means_json(const SweepResults& results) {
+  json::Value means = json::Value::array();
+  for (const Repeats& repeats : repeats_of(results)) {
+    json::Value figures = json::Value::object();
+    for (const std::string& name : figure_names(results)) {
+      const Spread spread = spread_of(repeats, name);
+      figures.set(name, json::Value::object({{"mean", spread.mean},
+                                             {"scatter", spread.scatter},
+                                             {"cases", static_cast<std::int64_t>(spread.n)}}));
+    }
+    means.push(
+        json::Value::object({{"settings", conditions_json(results, repeats.values)}, {"figures", std::move(figures)}}));
+  }
+  return means;
+}
+
+json::Value reference_json(const SweepResults& results) {
+  json::Value reference = json::Value::array();
+  for (const Reference& one : results.reference) {
+    json::Value figures = json::Value::object();
+    for (const Figure& figure : one.figures) figures.set(figure.name, figure.value);
+    reference.push(
+        json::Value::object({{"settings", conditions_json(results, one.values)}, {"figures", std::move(figures)}}));
+  }
+  return reference;
+}
+
+}  // namespace
+
 json::Value to_json(const SweepResults& results) {
   json::Value cases = json::Value::array();
   for (const CaseResult& one : results.cases) {
@@ -157,36 +195,14 @@ json::Value to_json(const SweepResults& results) {
                                     {"cpu_s", one.cpu},
                                     {"figures", std::move(figures)}}));
   }
-  json::Value means = json::Value::array();
-  for (const Repeats& repeats : repeats_of(results)) {
-    json::Value settings = json::Value::object(), figures = json::Value::object();
-    const auto names = conditions_of(results);
-    for (std::size_t k = 0; k < names.size(); ++k) settings.set(names[k], repeats.values[k]);
-    for (const std::string& name : figure_names(results)) {
-      const Spread spread = spread_of(repeats, name);
-      figures.set(name, json::Value::object({{"mean", spread.mean},
-                                             {"scatter", spread.scatter},
-                                             {"cases", static_cast<std::int64_t>(spread.n)}}));
-    }
-    means.push(json::Value::object({{"settings", std::move(settings)}, {"figures", std::move(figures)}}));
-  }
   json::Value all = json::Value::object({{"format", "granary-sweep-1"},
                                          {"name", results.name},
                                          {"solver", results.solver},
                                          {"version", results.version},
                                          {"settings", results.settings},
                                          {"cases", std::move(cases)}});
-  if (results.seed) all.set("means", std::move(means));
-  if (results.reference.empty()) return all;
-  json::Value reference = json::Value::array();
-  for (const Reference& one : results.reference) {
-    json::Value settings = json::Value::object(), figures = json::Value::object();
-    const auto names = conditions_of(results);
-    for (std::size_t k = 0; k < names.size(); ++k) settings.set(names[k], one.values[k]);
-    for (const Figure& figure : one.figures) figures.set(figure.name, figure.value);
-    reference.push(json::Value::object({{"settings", std::move(settings)}, {"figures", std::move(figures)}}));
-  }
-  all.set("reference", std::move(reference));
+  if (results.seed) all.set("means", means_json(results));
+  if (!results.reference.empty()) all.set("reference", reference_json(results));
   return all;
 }
 

@@ -30,7 +30,8 @@ class AgentLauncher final : public Launcher {
                                                        Machine machine, const std::string& address);
   ~AgentLauncher() override;  ///< dismisses the agents: they end what still runs
 
-  /// Runs the loop until every node has its agent, or the time is over. The indices of those that have none.
+  /// As Roster::await_all(): until every node has its agent, some have and no other has come for `patience_s`, or the
+  /// time is over. The indices of those that have none.
   std::vector<int> await_agents(double timeout_s, double patience_s);
   /// With what the agents found.
   const Machine& machine() const;
