@@ -24,12 +24,12 @@ Status Pilot::State::replay(const Line& line) {
   const auto broken = [&](const std::string& what) {
     return Error{fmt::format("journal.jsonl: record {} ({}): {}", line.sequence, line.kind, what)};
   };
-  const auto payload = parse_json(line.payload);
+  const auto payload = json::parse_text(line.payload);
   if (!payload) return broken("its payload is not JSON");
   if (line.kind == "pilot.open" && run_id.empty()) run_id = payload->text_or("run_id", "");
   time_base = std::max(time_base, payload->number_or("time_s", 0.0));
   if (!of_task) return {};
-  const auto event = event_from_json(std::string(line.kind), *payload);
+  const auto event = event_from_json(line.kind, *payload);
   if (!event) return broken(event.error().message);
   if (!belongs_here(*event, TaskId{static_cast<int>(payload->integer_or("id", -1))}))
     return broken("tells of a task that no earlier record submitted; somebody put this file together from others");
@@ -94,16 +94,15 @@ Status Pilot::State::compact() {
     };
     read = journal.for_each(keep);
     fresh.stamp_with(std::nullopt);
-    const auto add = [&](const std::string& kind, const json::Value& payload) {
-      text.clear();
-      append_json(text, payload);
-      fresh.add(kind, text);
-    };
     for (const Task& task : table.tasks) {
       const Event event{now(), Restored{task}};
-      add(kind_of(event), to_json(event));
+      text.clear();
+      append(text, event);
+      fresh.add(kind_of(event), text);
     }
-    add("pilot.open", opening);
+    text.clear();
+    json::append(text, opening);
+    fresh.add("pilot.open", text);
   });
   GRANARY_CHECK(read);
   return written;

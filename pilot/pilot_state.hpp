@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/json/text.hpp"
 #include "common/log.hpp"
-#include "pilot/journal/text.hpp"
 #include "pilot/pilot.hpp"
 #include "pilot/schedule/scheduler.hpp"
 #include "pilot/summary.hpp"
@@ -69,16 +69,21 @@ struct Pilot::State {
   // --- events: journal, then update, then act ---
   // One turn of the loop takes up what has happened, decides, writes all of that with one write, and only then acts.
 
-  void record(const std::string& kind, const json::Value& payload) {
+  void record(std::string_view kind, const json::Value& payload) {
     text.clear();
-    append_json(text, payload);
+    json::append(text, payload);
     journal.add(kind, text);
+  }
+  void record(const Event& event) {
+    text.clear();
+    append(text, event);
+    journal.add(kind_of(event), text);
   }
 
   /// Both what we decide to do and what has happened in the world; what follows from it is done by the turn, once it is
   /// written.
   void happens(const Event& event) {
-    record(kind_of(event), to_json(event));
+    record(event);
     update(table, event, todo);
     turn_soon();
   }
@@ -165,7 +170,7 @@ struct Pilot::State {
     if (started) {
       // Nothing follows from it, so it may wait for the next write; after a kill the mark finds the process without it.
       const Event event{now(), Started{spawn.attempt, started->pid, started->start_ticks}};
-      record(kind_of(event), to_json(event));
+      record(event);
       update(table, event, todo);
       sync_soon();
     } else {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/json/text.hpp"
 #include "controller/run/handover.hpp"
 #include "controller/watch/words.hpp"
-#include "pilot/journal/text.hpp"
 #include "pilot/task/core_set.hpp"
 
 namespace granary::watch {
@@ -39,7 +39,7 @@ void History::take(const pilot::Line& line) {
   const bool of_interest = line.kind.starts_with("task.") || line.kind.starts_with("pilot.") ||
                            line.kind.starts_with("node.") || line.kind.starts_with("coupling.") ||
                            line.kind.starts_with("estimation.");
-  const auto payload = of_interest ? pilot::parse_json(line.payload) : std::nullopt;
+  const auto payload = of_interest ? json::parse_text(line.payload) : std::nullopt;
   if (!payload) return;
   if (line.kind == "pilot.open") pilot_opened(*payload, line.wall_time);
   // The coupling's records carry no pilot time; the wall clock since the pilot began says it.

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <utility>
 
-#include "pilot/journal/text.hpp"
+#include "common/json/text.hpp"
 
 namespace granary::pilot {
 namespace {
@@ -137,7 +137,8 @@ Result<Extent> scan(const fs::path& file, const std::function<Status(const Line&
 }
 
 Record record_of(const Line& line) {
-  return {line.sequence, line.wall_time, std::string(line.kind), parse_json(line.payload).value_or(json::Value())};
+  return {line.sequence, line.wall_time, std::string(line.kind),
+          json::parse_text(line.payload).value_or(json::Value())};
 }
 
 }  // namespace
@@ -264,7 +265,7 @@ void Journal::add(std::string_view kind, std::string_view payload) {
 
 Status Journal::append(const std::string& kind, const json::Value& payload) {
   std::string text;
-  append_json(text, payload);
+  json::append(text, payload);
   add(kind, text);
   return flush();
 }

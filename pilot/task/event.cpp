@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/json/text.hpp"
 #include "pilot/task/past.hpp"
 #include "pilot/task/spec_json.hpp"
 
@@ -10,44 +11,35 @@ namespace {
 
 Result<CoreSet> cores_in(const json::Value& payload) { return CoreSet::parse(payload.text_or("cores", "")); }
 
-json::Value of_attempt(double time, AttemptId attempt) {
-  return json::Value::object({{"time_s", time}, {"id", attempt.task.value}, {"attempt", attempt.number}});
-}
+/// Writes what an event is about into the object that has its time already.
+struct Payload {
+  json::TextObject& out;
 
-struct ToJson {
-  double time;
-  json::Value operator()(const Submitted& e) const {
-    return json::Value::object({{"time_s", time}, {"id", e.id.value}, {"task", to_json(e.spec)}});
+  json::TextObject& of(TaskId id) const { return out.set("id", id.value); }
+  json::TextObject& of(AttemptId attempt) const { return of(attempt.task).set("attempt", attempt.number); }
+
+  void operator()(const Submitted& e) const { append(of(e.id).member("task"), e.spec); }
+  void operator()(const Placed& e) const { of(e.attempt).set("cores", e.cores.text()); }
+  void operator()(const Started& e) const {
+    of(e.attempt).set("pid", e.pid).set("start_ticks", static_cast<std::int64_t>(e.start_ticks));
   }
-  json::Value operator()(const Placed& e) const { return of_attempt(time, e.attempt).set("cores", e.cores.text()); }
-  json::Value operator()(const Started& e) const {
-    return of_attempt(time, e.attempt).set("pid", e.pid).set("start_ticks", static_cast<std::int64_t>(e.start_ticks));
+  void operator()(const StartFailed& e) const { of(e.attempt).set("reason", e.reason); }
+  void operator()(const Exited& e) const {
+    of(e.attempt).set("exit_code", e.exit_code).set("signal", e.signal).set("cpu_s", e.cpu_s);
+    if (!e.missing.empty()) out.set("missing", std::vector<std::string>(e.missing.begin(), e.missing.end()));
   }
-  json::Value operator()(const StartFailed& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
-  json::Value operator()(const Exited& e) const {
-    json::Value value = of_attempt(time, e.attempt);
-    value.set("exit_code", e.exit_code).set("signal", e.signal).set("cpu_s", e.cpu_s);
-    for (const auto& file : e.missing) {
-      if (value.find("missing") == nullptr) value.set("missing", json::Value::array());
-      value.find("missing")->push(file.string());
-    }
-    return value;
+  void operator()(const StopAsked& e) const { of(e.id).set("reason", e.reason).set("resumable", e.resumable); }
+  void operator()(const TimedOut& e) const { of(e.attempt); }
+  void operator()(const GraceOver& e) const { of(e.attempt); }
+  void operator()(const Suspended& e) const { of(e.attempt); }
+  void operator()(const Resumed& e) const { of(e.attempt).set("cores", e.cores.text()); }
+  void operator()(const Preempted& e) const { of(e.attempt); }
+  void operator()(const Lost& e) const { of(e.attempt).set("reason", e.reason); }
+  void operator()(const Abandoned& e) const { of(e.attempt).set("reason", e.reason); }
+  void operator()(const Restored& e) const {
+    for (const auto& [key, value] : past_to_json(e.task).members()) out.set(key, value);
   }
-  json::Value operator()(const StopAsked& e) const {
-    return json::Value::object(
-        {{"time_s", time}, {"id", e.id.value}, {"reason", e.reason}, {"resumable", e.resumable}});
-  }
-  json::Value operator()(const TimedOut& e) const { return of_attempt(time, e.attempt); }
-  json::Value operator()(const GraceOver& e) const { return of_attempt(time, e.attempt); }
-  json::Value operator()(const Suspended& e) const { return of_attempt(time, e.attempt); }
-  json::Value operator()(const Resumed& e) const { return of_attempt(time, e.attempt).set("cores", e.cores.text()); }
-  json::Value operator()(const Preempted& e) const { return of_attempt(time, e.attempt); }
-  json::Value operator()(const Lost& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
-  json::Value operator()(const Abandoned& e) const { return of_attempt(time, e.attempt).set("reason", e.reason); }
-  json::Value operator()(const Restored& e) const { return past_to_json(e.task).set("time_s", time); }
-  json::Value operator()(const Reopened& e) const {
-    return json::Value::object({{"time_s", time}, {"id", e.id.value}});
-  }
+  void operator()(const Reopened& e) const { of(e.id); }
 };
 
 struct KindOf {
@@ -84,11 +76,15 @@ Exited exited(AttemptId attempt, const json::Value& payload) {
 
 }  // namespace
 
-std::string kind_of(const Event& event) { return std::visit(KindOf{}, event.what); }
+std::string_view kind_of(const Event& event) { return std::visit(KindOf{}, event.what); }
 
-json::Value to_json(const Event& event) { return std::visit(ToJson{event.time}, event.what); }
+void append(std::string& text, const Event& event) {
+  json::TextObject out(text);
+  out.set("time_s", event.time);
+  std::visit(Payload{out}, event.what);
+}
 
-Result<Event> event_from_json(const std::string& kind, const json::Value& payload) {
+Result<Event> event_from_json(std::string_view kind, const json::Value& payload) {
   const TaskId id{static_cast<int>(payload.integer_or("id", -1))};
   const AttemptId attempt{id, static_cast<int>(payload.integer_or("attempt", 0))};
   const double time = payload.number_or("time_s", 0.0);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -93,9 +94,10 @@ struct Event {
 };
 
 /// The journal's kind of an event: "task.submit", "task.place", ...
-std::string kind_of(const Event& event);
-json::Value to_json(const Event& event);
+std::string_view kind_of(const Event& event);
+/// Appends its payload, as JSON.
+void append(std::string& text, const Event& event);
 /// Error: a kind or payload that is not ours.
-Result<Event> event_from_json(const std::string& kind, const json::Value& payload);
+Result<Event> event_from_json(std::string_view kind, const json::Value& payload);
 
 }  // namespace granary::pilot

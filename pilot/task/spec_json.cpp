@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "common/json/text.hpp"
+
 namespace granary::pilot {
 namespace {
 
@@ -179,11 +181,7 @@ TaskSpec read_task(json::Reader& task) {
 
 namespace {
 
-json::Value texts(const std::vector<std::filesystem::path>& paths) {
-  json::Value list = json::Value::array();
-  for (const auto& path : paths) list.push(path.string());
-  return list;
-}
+std::vector<std::string> texts(const std::vector<std::filesystem::path>& paths) { return {paths.begin(), paths.end()}; }
 
 std::vector<std::string> texts_in(const json::Value& value, std::string_view key) {
   std::vector<std::string> list;
@@ -202,41 +200,53 @@ bool flag(const json::Value& value, std::string_view key) {
 
 }  // namespace
 
-json::Value to_json(const TaskSpec& spec) {
-  const TaskSpec standard;
-  json::Value value = json::Value::object({{"name", spec.name}, {"command", spec.command}});
+namespace {
+
+/// What of a task is not the default, into an object as Value or as text.
+template <class Object>
+void write(const TaskSpec& spec, Object& out) {
+  static const TaskSpec standard;
+  out.set("name", spec.name).set("command", spec.command);
   if (!spec.env.empty()) {
     json::Value env = json::Value::object();
     for (const auto& [key, text] : spec.env) env.set(key, text);
-    value.set("env", std::move(env));
+    out.set("env", env);
   }
-  if (!spec.dir.empty()) value.set("dir", spec.dir.string());
-  if (spec.ranks != standard.ranks) value.set("ranks", spec.ranks);
-  if (spec.threads != standard.threads) value.set("threads", spec.threads);
-  if (spec.mpi) value.set("mpi", true);
-  if (spec.light) value.set("light", true);
-  if (spec.memory_bytes != 0) value.set("memory_bytes", spec.memory_bytes);
-  if (spec.nodes != standard.nodes) value.set("nodes", spec.nodes);
-  if (spec.placement == Placement::spread) value.set("placement", "spread");
-  if (!spec.after.empty()) value.set("after", spec.after);
-  if (spec.priority != standard.priority) value.set("priority", spec.priority);
-  if (spec.fill) value.set("fill", true);
-  if (spec.preempt == Preempt::kill) value.set("preempt", "kill");
-  if (spec.timeout > 0.0) value.set("timeout_s", spec.timeout);
-  if (spec.expected > 0.0) value.set("expected_s", spec.expected);
-  if (spec.resumable) value.set("resumable", true);
-  if (spec.success != standard.success) {
-    json::Value codes = json::Value::array();
-    for (const int code : spec.success) codes.push(code);
-    value.set("success", std::move(codes));
-  }
-  if (spec.retries != 0) value.set("retries", spec.retries);
-  if (spec.stop.signal) value.set("stop_signal", *spec.stop.signal);
-  if (spec.stop.grace != standard.stop.grace) value.set("grace_s", spec.stop.grace);
-  if (!spec.produces.empty()) value.set("produces", texts(spec.produces));
-  if (!spec.stdout_file.empty()) value.set("stdout", spec.stdout_file.string());
-  if (!spec.stderr_file.empty()) value.set("stderr", spec.stderr_file.string());
+  if (!spec.dir.empty()) out.set("dir", spec.dir.string());
+  if (spec.ranks != standard.ranks) out.set("ranks", spec.ranks);
+  if (spec.threads != standard.threads) out.set("threads", spec.threads);
+  if (spec.mpi) out.set("mpi", true);
+  if (spec.light) out.set("light", true);
+  if (spec.memory_bytes != 0) out.set("memory_bytes", spec.memory_bytes);
+  if (spec.nodes != standard.nodes) out.set("nodes", spec.nodes);
+  if (spec.placement == Placement::spread) out.set("placement", "spread");
+  if (!spec.after.empty()) out.set("after", spec.after);
+  if (spec.priority != standard.priority) out.set("priority", spec.priority);
+  if (spec.fill) out.set("fill", true);
+  if (spec.preempt == Preempt::kill) out.set("preempt", "kill");
+  if (spec.timeout > 0.0) out.set("timeout_s", spec.timeout);
+  if (spec.expected > 0.0) out.set("expected_s", spec.expected);
+  if (spec.resumable) out.set("resumable", true);
+  if (spec.success != standard.success) out.set("success", json::Array(spec.success.begin(), spec.success.end()));
+  if (spec.retries != 0) out.set("retries", spec.retries);
+  if (spec.stop.signal) out.set("stop_signal", *spec.stop.signal);
+  if (spec.stop.grace != standard.stop.grace) out.set("grace_s", spec.stop.grace);
+  if (!spec.produces.empty()) out.set("produces", texts(spec.produces));
+  if (!spec.stdout_file.empty()) out.set("stdout", spec.stdout_file.string());
+  if (!spec.stderr_file.empty()) out.set("stderr", spec.stderr_file.string());
+}
+
+}  // namespace
+
+json::Value to_json(const TaskSpec& spec) {
+  json::Value value = json::Value::object();
+  write(spec, value);
   return value;
+}
+
+void append(std::string& text, const TaskSpec& spec) {
+  json::TextObject out(text);
+  write(spec, out);
 }
 
 TaskSpec spec_from_json(const json::Value& value) {

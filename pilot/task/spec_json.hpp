@@ -13,6 +13,8 @@ TaskSpec read_task(json::Reader& task);
 
 /// SI numbers, defaults left out: {"name": "a", "command": ["x"], "timeout_s": 5}. from_json takes exactly this form.
 json::Value to_json(const TaskSpec& spec);
+/// Appends the text of the same.
+void append(std::string& text, const TaskSpec& spec);
 TaskSpec spec_from_json(const json::Value& value);
 
 }  // namespace granary::pilot

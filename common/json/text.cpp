@@ -1,18 +1,12 @@
-#include "pilot/journal/text.hpp"
+#include "common/json/text.hpp"
 
 #include <charconv>
 #include <cmath>
 
-namespace granary::pilot {
+namespace granary::json {
 namespace {
 
 constexpr int kDeepest = 64;  ///< nesting; ours is below 6
-
-void append_integer(std::string& text, std::int64_t value) {
-  char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value);
-  text.append(digits, end.ptr);
-}
 
 void append_code_point(std::string& text, unsigned code) {
   const auto byte = [&](unsigned value) { text += static_cast<char>(value); };
@@ -37,8 +31,8 @@ class Parser {
  public:
   explicit Parser(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
 
-  std::optional<json::Value> whole() {
-    json::Value value;
+  std::optional<Value> whole() {
+    Value value;
     if (!read(value, 0)) return std::nullopt;
     skip_space();
     return at_ == end_ ? std::optional(std::move(value)) : std::nullopt;
@@ -60,7 +54,7 @@ class Parser {
     return true;
   }
 
-  bool read(json::Value& value, int depth) {
+  bool read(Value& value, int depth) {
     skip_space();
     if (at_ == end_ || depth > kDeepest) return false;
     switch (*at_) {
@@ -71,48 +65,48 @@ class Parser {
       case '"': {
         std::string text;
         if (!read_string(text)) return false;
-        value = json::Value(std::move(text));
+        value = Value(std::move(text));
         return true;
       }
       case 't':
-        value = json::Value(true);
+        value = Value(true);
         return take("true");
       case 'f':
-        value = json::Value(false);
+        value = Value(false);
         return take("false");
       case 'n':
-        value = json::Value();
+        value = Value();
         return take("null");
       default:
         return read_number(value);
     }
   }
 
-  bool read_object(json::Value& value, int depth) {
+  bool read_object(Value& value, int depth) {
     ++at_;
-    value = json::Value::object();
+    value = Value::object();
     if (take('}')) return true;
-    std::vector<json::Member>& members = value.members();
+    std::vector<Member>& members = value.members();
     do {
-      json::Member& member = members.emplace_back();
+      Member& member = members.emplace_back();
       skip_space();
       if (!read_string(member.first) || !take(':') || !read(member.second, depth + 1)) return false;
     } while (take(','));
     return take('}');
   }
 
-  bool read_array(json::Value& value, int depth) {
+  bool read_array(Value& value, int depth) {
     ++at_;
-    value = json::Value::array();
+    value = Value::array();
     if (take(']')) return true;
-    json::Array& items = value.items();
+    Array& items = value.items();
     do {
       if (!read(items.emplace_back(), depth + 1)) return false;
     } while (take(','));
     return take(']');
   }
 
-  bool read_number(json::Value& value) {
+  bool read_number(Value& value) {
     const char* stop = at_;
     bool whole = true;
     for (; stop != end_ && (std::isdigit(static_cast<unsigned char>(*stop)) != 0 || *stop == '-' || *stop == '+' ||
@@ -123,12 +117,12 @@ class Parser {
       std::int64_t number = 0;
       const auto read = std::from_chars(at_, stop, number);
       if (read.ec != std::errc() || read.ptr != stop) return false;
-      value = json::Value(number);
+      value = Value(number);
     } else {
       double number = 0.0;
       const auto read = std::from_chars(at_, stop, number);
       if (read.ec != std::errc() || read.ptr != stop) return false;
-      value = json::Value(number);
+      value = Value(number);
     }
     at_ = stop;
     return true;
@@ -179,7 +173,13 @@ class Parser {
 
 }  // namespace
 
-void append_json(std::string& text, double value) {
+void append(std::string& text, std::int64_t value) {
+  char digits[24];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value);
+  text.append(digits, end.ptr);
+}
+
+void append(std::string& text, double value) {
   if (!std::isfinite(value)) {
     text += "null";
     return;
@@ -191,7 +191,7 @@ void append_json(std::string& text, double value) {
   if (number.find_first_of(".e") == std::string_view::npos) text += ".0";  // stays a number with a fraction
 }
 
-void append_json(std::string& text, std::string_view value) {
+void append(std::string& text, std::string_view value) {
   constexpr char kHex[] = "0123456789abcdef";
   text += '"';
   const char* plain = value.data();
@@ -216,29 +216,38 @@ void append_json(std::string& text, std::string_view value) {
   text += '"';
 }
 
-void append_json(std::string& text, const json::Value& value) {
+void append(std::string& text, const std::vector<std::string>& items) {
+  char before = '[';
+  for (const std::string& item : items) {
+    text += std::exchange(before, ',');
+    append(text, std::string_view(item));
+  }
+  text += before == '[' ? "[]" : "]";
+}
+
+void append(std::string& text, const Value& value) {
   if (value.is_string()) {
-    append_json(text, std::string_view(value.as_string()));
+    append(text, std::string_view(value.as_string()));
   } else if (value.is_integer()) {
-    append_integer(text, value.as_integer());
+    append(text, value.as_integer());
   } else if (value.is_number()) {
-    append_json(text, value.as_number());
+    append(text, value.as_number());
   } else if (value.is_bool()) {
     text += value.as_bool() ? "true" : "false";
   } else if (value.is_array()) {
     char before = '[';
-    for (const json::Value& item : value.items()) {
+    for (const Value& item : value.items()) {
       text += std::exchange(before, ',');
-      append_json(text, item);
+      append(text, item);
     }
     text += before == '[' ? "[]" : "]";
   } else if (value.is_object()) {
     char before = '{';
     for (const auto& [key, member] : value.members()) {
       text += std::exchange(before, ',');
-      append_json(text, std::string_view(key));
+      append(text, std::string_view(key));
       text += ':';
-      append_json(text, member);
+      append(text, member);
     }
     text += before == '{' ? "{}" : "}";
   } else {
@@ -246,6 +255,13 @@ void append_json(std::string& text, const json::Value& value) {
   }
 }
 
-std::optional<json::Value> parse_json(std::string_view text) { return Parser(text).whole(); }
+std::string& TextObject::member(std::string_view key) {
+  text_ += std::exchange(before_, ',');
+  append(text_, key);
+  text_ += ':';
+  return text_;
+}
 
-}  // namespace granary::pilot
+std::optional<Value> parse_text(std::string_view text) { return Parser(text).whole(); }
+
+}  // namespace granary::json
