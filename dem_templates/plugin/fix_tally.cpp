@@ -6,12 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include <atom.h>
 #include <comm.h>
-#include <domain.h>
 #include <force.h>
 #include <modify.h>
+#include <neighbor.h>
 #include <pair_gran.h>
 #include <timer.h>
 #include <update.h>
@@ -152,7 +153,13 @@ void FixTally::listen() {
 
 // What touches when a run starts has begun before it.
 void FixTally::setup(int) {
-  flags_in_book_ = true;
+  if (!force->pair->listgranhistory)
+    end_if_failed(world, Error{"fix " + std::string(id) +
+                               " (granary/tally): needs a pair_style gran with 'tangential history', whose flags tell "
+                               "it which pairs have touched. See docs/dem_styles.md."});
+  contacts_.clear();
+  ghost_velocity_.clear();
+  list_is_new_ = true;
   own_seconds_ = 0.0;
   look(Purpose::remember);
   survey(Purpose::remember);
@@ -167,6 +174,7 @@ void FixTally::setup(int) {
 // After the forces of the step are known, before they act: positions, ghosts and velocities all belong to one instant.
 void FixTally::post_force(int) {
   const auto step = static_cast<long>(update->ntimestep);
+  n_local_ = atom->nlocal;
   if (step % every_ != 0) return;
   const double start = MPI_Wtime();
   look(Purpose::count);
@@ -197,9 +205,7 @@ void FixTally::say_cost() const {
 }
 
 void FixTally::look(Purpose purpose) {
-  if (flags_in_book_) ghost_velocity_.clear();
-  look_at_pairs(purpose);
-  if (purpose == Purpose::count) window_->overlap(largest_pair_overlap_);
+  look_at_pairs(purpose, 0.0);
   look_at_walls(purpose);
   for (int i = 0; i < atom->nlocal; ++i) {
     ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
@@ -212,99 +218,101 @@ void FixTally::look(Purpose purpose) {
     std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
 }
 
-void FixTally::list_pairs() {
-  pairs_.clear();
-  for_each_listed_pair(*lmp, [this](int i, int j) { pairs_.push_back({i, j, false}); });
-}
-
-void FixTally::look_at_pairs(Purpose purpose) {
-  const bool fresh = flags_in_book_;
-  if (fresh) list_pairs();
-  flags_in_book_ = false;
-
-  const auto steps = static_cast<double>(static_cast<long>(update->ntimestep) - last_look_);
-  const bool gaps = purpose == Purpose::count && steps > 1.0;
-  note_reaches(gaps ? steps * update->dt : 0.0);
-
-  const Reach* const reaches = reaches_.data();
-  const double* const radius = atom->radius;
+// The pair forces look at every pair in every step and flag those that touch, until the next neighbour list. So all
+// that is left to do is to go over the flagged ones, a few hundred in a stirred mixer.
+void FixTally::look_at_pairs(Purpose purpose, double ago) {
+  const bool fresh = std::exchange(list_is_new_, false);
+  known_.swap(contacts_);
+  contacts_.clear();
+  std::size_t next = 0;
   double largest_overlap = 0.0;
-  for (ListedPair& pair : pairs_) {
-    // Most pairs are too far apart to touch now or to have touched since the last look: rounded numbers tell.
-    const auto [i, j, touched] = pair;
-    const Reach &a = reaches[i], &b = reaches[j];
-    const float dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z, reach = a.reach + b.reach;
-    if (dx * dx + dy * dy + dz * dz >= reach * reach) {
-      pair.touching = false;
-      continue;
-    }
-    const double *xi = atom->x[i], *xj = atom->x[j];
-    const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]}, touching = radius[i] + radius[j];
-    const double distance2 = square(d);
-    pair.touching = distance2 < touching * touching;
-    if (!pair.touching) {
-      if (gaps && !touched && counts_here(i, j)) count_graze(i, j, touching, steps);
-      continue;
-    }
-    largest_overlap = std::max(largest_overlap, (touching - std::sqrt(distance2)) / std::min(radius[i], radius[j]));
-    if (touched || purpose == Purpose::remember || !counts_here(i, j)) continue;
-    if (!fresh || !touched_before(i, j)) count_collision(i, j);
-  }
-  largest_pair_overlap_ = largest_overlap;
+  for_each_pair_that_touched(*lmp, [&](int i, int j, std::uint64_t slot) {
+    while (next < known_.size() && known_[next].slot < slot) ++next;
+    const bool known = next < known_.size() && known_[next].slot == slot;
+    if (ago > 0.0 && j >= n_local_ && atom->nlocal != n_local_) return;  // new particles lie where ghosts were
+
+    const Approach now = approach(i, j, ago);
+    const auto [owner, other] = std::minmax(atom->tag[i], atom->tag[j]);
+    // A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there.
+    const bool counts_here = (owner == atom->tag[i] ? i : j) < atom->nlocal;
+    contacts_.push_back({slot, counts_here && now.touches(), owner, other});
+    if (now.touches())
+      largest_overlap = std::max(largest_overlap,
+                                 (now.reach - std::sqrt(now.distance2)) / std::min(atom->radius[i], atom->radius[j]));
+    if (purpose == Purpose::remember || !counts_here) return;
+    if (known ? known_[next].touching : fresh && book_.touched(owner, other)) return;
+    if (now.touches())
+      count_collision(now);
+    else if (known)
+      count_graze(now);
+    else if (neighbor->contactDistanceFactor <= 1.0)  // else who comes near is flagged too
+      count_parted(now);
+  });
+  if (purpose == Purpose::count) window_->overlap(largest_overlap);
 }
 
-// As far as a particle and its way in `time` go from its centre, and a little more than rounding takes.
-void FixTally::note_reaches(double time) {
-  const auto n = static_cast<std::size_t>(atom->nlocal + atom->nghost);
-  reaches_.resize(n);
-  double farthest = 0.0;
-  for (int d = 0; d < 3; ++d) farthest = std::max({farthest, std::abs(domain->boxlo[d]), std::abs(domain->boxhi[d])});
-  const double rounding = 1e-6 * farthest;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double *x = atom->x[k], way = time > 0.0 ? std::sqrt(square(atom->v[k])) * time : 0.0;
-    reaches_[k] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2]),
-                   static_cast<float>(atom->radius[k] + way + rounding)};
-  }
-}
-
-// The velocities are those of the last displacement; before it the two flew nearly as fast, since a touch that lasts
-// less than a few steps hardly turns them. So the steps since the last look are gone back on a straight line.
-void FixTally::count_graze(int i, int j, double touching, double steps) {
+FixTally::Approach FixTally::approach(int i, int j, double ago) const {
   const double *xi = atom->x[i], *xj = atom->x[j], *vi = atom->v[i], *vj = atom->v[j];
-  double d[3], v[3];
-  for (int k = 0; k < 3; ++k) d[k] = xi[k] - xj[k], v[k] = vi[k] - vj[k];
-  const double apart = d[0] * v[0] + d[1] * v[1] + d[2] * v[2], v2 = square(v);
-  if (apart <= 0.0 || square(d) - apart * apart / v2 >= touching * touching)
-    return;  // was never nearer, or not near enough
+  const double j_moved = j < atom->nlocal ? ago : 0.0;  // a ghost stands where it was
+  Approach now{.i = i, .j = j, .reach = atom->radius[i] + atom->radius[j]};
+  for (int k = 0; k < 3; ++k) {
+    now.v[k] = vi[k] - vj[k];
+    now.d[k] = (xi[k] - ago * vi[k]) - (xj[k] - j_moved * vj[k]);
+  }
+  now.distance2 = square(now.d);
+  return now;
+}
+
+const double* FixTally::velocity_before(int k) {
+  if (k < atom->nlocal) {
+    const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(k));
+    return last.known ? last.velocity.data() : nullptr;
+  }
+  return ghost_velocity_.empty() ? nullptr : ghost_velocity_[static_cast<std::size_t>(k - atom->nlocal)].data();
+}
+
+void FixTally::count_collision(const Approach& now, double speed) {
+  const double axial = 0.5 * (atom->x[now.i][layout_.axis] + atom->x[now.j][layout_.axis]);
+  window_->collision(2.0 * atom->radius[now.i], 2.0 * atom->radius[now.j], axial, speed);
+}
+
+// Its speed is that before the contact pushed: at the last look. A ghost that is new here has only its present one.
+void FixTally::count_collision(const Approach& now) {
+  double before[3];
+  relative_velocity_before(now, before);
+  count_collision(now, touch_speed(now.d, before, now.reach));
+}
+
+// It was flagged since the last look and is apart again.
+void FixTally::count_parted(const Approach& now) {
+  double before[3];
+  relative_velocity_before(now, before);
+  count_collision(now, parted_speed(now.d, before, now.v, now.reach));
+}
+
+void FixTally::relative_velocity_before(const Approach& now, double* v) {
+  const double *vi = velocity_before(now.i), *vj = velocity_before(now.j);
+  for (int k = 0; k < 3; ++k) v[k] = vi && vj ? vi[k] - vj[k] : now.v[k];
+}
+
+// It was flagged before: only its way tells whether it touched again. The velocities are those of the last
+// displacement; before it the two flew nearly as fast, since a touch that lasts less than a few steps hardly turns
+// them. So the steps since the last look are gone back on a straight line.
+void FixTally::count_graze(const Approach& now) {
+  const auto steps = static_cast<double>(static_cast<long>(update->ntimestep) - last_look_);
+  const double apart = now.d[0] * now.v[0] + now.d[1] * now.v[1] + now.d[2] * now.v[2], v2 = square(now.v);
+  const double reach2 = now.reach * now.reach;
+  if (apart <= 0.0 || now.distance2 - apart * apart / v2 >= reach2) return;  // was never nearer, or not near enough
 
   const double nearest = apart / v2 / update->dt;  // steps ago
   for (const double back : {std::floor(nearest), std::ceil(nearest)}) {
     if (back < 1.0 || back >= steps) continue;
     double then[3];
-    for (int k = 0; k < 3; ++k) then[k] = d[k] - back * update->dt * v[k];
-    if (square(then) >= touching * touching) continue;
-    window_->collision(2.0 * atom->radius[i], 2.0 * atom->radius[j], 0.5 * (xi[layout_.axis] + xj[layout_.axis]),
-                       touch_speed(then, v, touching));
+    for (int k = 0; k < 3; ++k) then[k] = now.d[k] - back * update->dt * now.v[k];
+    if (square(then) >= reach2) continue;
+    count_collision(now, touch_speed(then, now.v, now.reach));
     return;
   }
-}
-
-void FixTally::count_collision(int i, int j) {
-  // Before the contact pushed: at the last look. A ghost that is new here has only its present velocity.
-  const auto before = [this](int k) -> const double* {
-    if (k < atom->nlocal) {
-      const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(k));
-      return last.known ? last.velocity.data() : nullptr;
-    }
-    return ghost_velocity_.empty() ? nullptr : ghost_velocity_[static_cast<std::size_t>(k - atom->nlocal)].data();
-  };
-  const double *vi = before(i), *vj = before(j);
-  if (!vi || !vj) vi = atom->v[i], vj = atom->v[j];
-  const double *xi = atom->x[i], *xj = atom->x[j];
-  const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]},
-               v[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
-  const double ri = atom->radius[i], rj = atom->radius[j];
-  window_->collision(2.0 * ri, 2.0 * rj, 0.5 * (xi[layout_.axis] + xj[layout_.axis]), touch_speed(d, v, ri + rj));
 }
 
 void FixTally::look_at_walls(Purpose purpose) {
@@ -361,25 +369,23 @@ void FixTally::survey(Purpose purpose) {
   window_->survey_done();
 }
 
-// A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there only.
-bool FixTally::counts_here(int i, int j) const { return (atom->tag[i] < atom->tag[j] ? i : j) < atom->nlocal; }
-
-bool FixTally::touched_before(int i, int j) {
-  return book_.touched(std::min(atom->tag[i], atom->tag[j]), std::max(atom->tag[i], atom->tag[j]));
-}
-
-// The last moment at which the old list's numbers are those of the particles.
-void FixTally::flags_to_book() {
-  if (flags_in_book_) return;
-  flags_in_book_ = true;
+// The last moment at which the old list's numbers are those of the particles. They have moved on by a step since the
+// forces, whose flags may tell of contacts that no look has seen.
+void FixTally::contacts_to_book() {
+  const auto step = static_cast<long>(update->ntimestep);
+  if (step == booked_) return;
+  booked_ = step;
+  if (step - 1 > last_look_) look_at_pairs(Purpose::count, update->dt);
+  list_is_new_ = true;
+  ghost_velocity_.clear();
   book_.forget_pairs();
-  for (const auto& [i, j, touching] : pairs_)
-    if (touching && counts_here(i, j))
-      book_.note_pair(std::min(atom->tag[i], atom->tag[j]), std::max(atom->tag[i], atom->tag[j]));
+  for (const Contact& contact : contacts_)
+    if (contact.touching) book_.note_pair(contact.owner, contact.other);
+  contacts_.clear();
 }
 
 void FixTally::leaves(int particle) {
-  flags_to_book();
+  contacts_to_book();
   const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(particle));
   if (!std::isnan(last.axial)) window_->moved(last.axial, atom->x[particle][layout_.axis]);
 }
@@ -424,8 +430,9 @@ Status FixTally::write_line(const json::Value& line) { return writer_ ? writer_-
 
 void FixTally::pre_exchange() {
   const double start = MPI_Wtime();
-  flags_to_book();
-  comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(book_.largest_packed()));
+  contacts_to_book();
+  if (comm->nprocs > 1)
+    comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(book_.largest_packed()));
   own_seconds_ += MPI_Wtime() - start;
 }
 

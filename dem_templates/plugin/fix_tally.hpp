@@ -49,36 +49,45 @@ class FixTally : public LAMMPS_NS::Fix {
     std::size_t place = 0;        ///< among the bodies of `walls`
   };
   enum class Purpose { remember, count };
-  struct ListedPair {
-    int i, j;       ///< i is of this rank, j may be a ghost
-    bool touching;  ///< at the last look
+  /// A pair that has touched since the neighbour list was made.
+  struct Contact {
+    std::uint64_t slot;  ///< in that list
+    bool touching;       ///< at the last look; never if another rank counts it
+    int owner, other;    ///< tags of the particles
   };
-  struct Reach {
-    float x, y, z;  ///< place of a particle [m]
-    float reach;    ///< how far from there it may have touched something since the last look [m]
+  /// Two particles, one as the other sees it.
+  struct Approach {
+    int i, j;           ///< i is of this rank, j may be a ghost
+    double d[3], v[3];  ///< place and velocity of i less those of j [m], [m/s]
+    double reach;       ///< sum of the radii [m]
+    double distance2;   ///< [m^2]
+    bool touches() const { return distance2 < reach * reach; }
   };
 
-  void list_pairs();
   /// Which contacts exist, and which of them began since the last look.
   void look(Purpose purpose);
-  void look_at_pairs(Purpose purpose);
+  /// The same for pairs as they were a time ago: 0, or a step if the particles have moved on since the forces [s].
+  void look_at_pairs(Purpose purpose, double ago);
+  Approach approach(int i, int j, double ago) const;
   /// Counts a pair that is apart now and was apart at the last look, if it touched at a step in between.
-  void count_graze(int i, int j, double touching, double steps);
-  void note_reaches(double time);
+  void count_graze(const Approach& now);
   void look_at_walls(Purpose purpose);
   void look_at_loads();
-  void count_collision(int i, int j);
+  void count_collision(const Approach& now);
+  void count_parted(const Approach& now);
+  void count_collision(const Approach& now, double speed);
+  void relative_velocity_before(const Approach& now, double* v);
+  /// At the last look [m/s]; nullptr: it was not there.
+  const double* velocity_before(int particle);
   void count_impact(std::size_t body, const WallTouch& touch);
   /// Joins a body to its fix. Error: there is none.
   Status find(Body& body);
   void listen();
-  /// What there is: particles, speeds, overlaps. Costs more and changes more slowly: at every fourth look.
+  /// What there is: particles, speeds, overlaps. Costs more and changes more slowly: at every eighth look.
   void survey(Purpose purpose);
 
-  // The flags of the pairs belong to one neighbour list; what they say travels with the particles to the next.
-  void flags_to_book();
-  bool counts_here(int i, int j) const;
-  bool touched_before(int i, int j);
+  // Contacts belong to one neighbour list; which they are travels with the particles to the next.
+  void contacts_to_book();
 
   void close_window();
   /// A line in the log: what the tally took.
@@ -95,16 +104,17 @@ class FixTally : public LAMMPS_NS::Fix {
 
   std::optional<Window> window_;
   ContactBook book_;
-  std::vector<ListedPair> pairs_;                      ///< of the neighbour list
-  bool flags_in_book_ = true;                          ///< a new neighbour list was made since the last look
+  std::vector<Contact> contacts_;                      ///< at the last look, by slot
+  std::vector<Contact> known_;                         ///< scratch: at the look before
+  bool list_is_new_ = true;                            ///< a new neighbour list was made since the last look
+  long booked_ = -1;                                   ///< step at which contacts were last written to the book
+  int n_local_ = 0;                                    ///< particles of this rank at the last forces
   std::vector<std::array<double, 3>> ghost_velocity_;  ///< at the last look; empty after a new neighbour list
-  std::vector<Reach> reaches_;                         ///< scratch: of particles and ghosts, at this look
   std::vector<std::uint64_t> bodies_touched_;          ///< scratch: of each particle, at this look
   std::optional<json::LineWriter> writer_;             ///< on rank 0, from the first run on
   long window_start_ = 0, last_look_ = 0;              ///< steps
   long looks_ = 0;                                     ///< since the start of the window
   double window_start_time_ = 0.0;                     ///< DEM clock [s]
-  double largest_pair_overlap_ = 0.0;                  ///< at the last look, over the smaller radius
   double own_seconds_ = 0.0;                           ///< of this run, on this rank
   ParticleBalance balance_;                            ///< at the start of the window
 };

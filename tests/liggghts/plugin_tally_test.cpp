@@ -250,7 +250,7 @@ TEST(Tally, AgreesWithACountByHandFromThePositionsOfEveryStep) {
   const Folder folder;
   const std::string dump =
       "dump d all custom 1 dump.txt id x y z radius\ndump_modify d format \"%d %.17g %.17g %.17g %.17g\"\n";
-  for (const int every : {1, 5, 10}) {
+  for (const int every : {1, 5, 10, 100, 500}) {
     ASSERT_EQ(run_deck(folder, gas_deck(every, dump + "run 2000\n")), 0) << folder.read("err");
 
     const auto counted = Counted(folder).collisions();

@@ -9,39 +9,63 @@ constexpr std::size_t kHead = 7;  // pairs, known, velocity, bodies, axial
 
 }  // namespace
 
-void ContactBook::sort() {
-  if (n_sorted_ == pairs_.size()) return;
-  std::sort(pairs_.begin(), pairs_.end());
-  n_sorted_ = pairs_.size();
+// Half of the table is free at least, so that a search is short.
+std::size_t ContactBook::place(const Pair& pair) const {
+  constexpr std::uint64_t kMix =
+      0x9e3779b97f4a7c15;  // 2^64 over the golden ratio: the upper bits of the product differ
+  const std::uint64_t hash =
+      (static_cast<std::uint64_t>(pair.first) * kMix + static_cast<std::uint64_t>(pair.second)) * kMix >> 32;
+  const std::size_t last = table_.size() - 1;
+  std::size_t at = hash & last;
+  while (table_[at] != 0 && pairs_[table_[at] - 1] != pair) at = (at + 1) & last;
+  return at;
 }
 
-bool ContactBook::touched(std::int64_t owner, std::int64_t other) {
-  sort();
-  return std::binary_search(pairs_.begin(), pairs_.end(), Pair{owner, other});
+void ContactBook::note_pair(std::int64_t owner, std::int64_t other) {
+  pairs_.push_back({owner, other});
+  if (2 * pairs_.size() <= table_.size()) {
+    table_[place(pairs_.back())] = static_cast<std::uint32_t>(pairs_.size());
+    return;
+  }
+  table_.assign(std::max<std::size_t>(64, 2 * table_.size()), 0);
+  for (std::size_t k = 0; k < pairs_.size(); ++k) table_[place(pairs_[k])] = static_cast<std::uint32_t>(k + 1);
 }
 
-std::size_t ContactBook::largest_packed() {
-  sort();
+bool ContactBook::touched(std::int64_t owner, std::int64_t other) const {
+  return !pairs_.empty() && table_[place({owner, other})] != 0;
+}
+
+void ContactBook::forget_pairs() {
+  pairs_.clear();
+  std::fill(table_.begin(), table_.end(), 0);
+}
+
+std::size_t ContactBook::largest_packed() const {
+  std::vector<std::int64_t> owners;
+  for (const Pair& pair : pairs_) owners.push_back(pair.first);
+  std::sort(owners.begin(), owners.end());
   std::size_t most = 0, run = 0;
-  for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    run = k > 0 && pairs_[k].first == pairs_[k - 1].first ? run + 1 : 1;
+  for (std::size_t k = 0; k < owners.size(); ++k) {
+    run = k > 0 && owners[k] == owners[k - 1] ? run + 1 : 1;
     most = std::max(most, run);
   }
   return kHead + most;
 }
 
-std::size_t ContactBook::pack(std::size_t particle, std::int64_t tag, double* buffer) {
-  sort();
+std::size_t ContactBook::pack(std::size_t particle, std::int64_t tag, double* buffer) const {
   const Memory& memory = memories_[particle];
-  const auto first = std::lower_bound(pairs_.begin(), pairs_.end(), Pair{tag, 0});
-  const auto last = std::lower_bound(first, pairs_.end(), Pair{tag + 1, 0});
-  buffer[0] = static_cast<double>(last - first);
-  buffer[1] = memory.known ? 1.0 : 0.0;
-  std::copy(memory.velocity.begin(), memory.velocity.end(), buffer + 2);
-  buffer[5] = static_cast<double>(memory.bodies);
-  buffer[6] = memory.axial;
-  std::transform(first, last, buffer + kHead, [](const Pair& pair) { return static_cast<double>(pair.second); });
-  return kHead + static_cast<std::size_t>(last - first);
+  double* end = buffer;
+  *end++ = 0.0;
+  *end++ = memory.known ? 1.0 : 0.0;
+  end = std::copy(memory.velocity.begin(), memory.velocity.end(), end);
+  *end++ = static_cast<double>(memory.bodies);
+  *end++ = memory.axial;
+  for (const Pair& pair : pairs_) {
+    if (pair.first != tag) continue;
+    *end++ = static_cast<double>(pair.second);
+    buffer[0] += 1.0;
+  }
+  return static_cast<std::size_t>(end - buffer);
 }
 
 std::size_t ContactBook::unpack(std::size_t particle, std::int64_t tag, const double* buffer) {

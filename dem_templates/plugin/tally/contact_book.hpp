@@ -25,27 +25,25 @@ class ContactBook {
 
   // Pairs that touched at the last look, by their tags, are written down only while the caller's own list of pairs is
   // being made anew. They go with the particle of the smaller tag, their owner.
-  void note_pair(std::int64_t owner, std::int64_t other) { pairs_.push_back({owner, other}); }
-  bool touched(std::int64_t owner, std::int64_t other);
-  void forget_pairs() {
-    pairs_.clear();
-    n_sorted_ = 0;
-  }
+  void note_pair(std::int64_t owner, std::int64_t other);
+  bool touched(std::int64_t owner, std::int64_t other) const;
+  void forget_pairs();
 
   void resize(std::size_t n_particles) { memories_.resize(n_particles); }
   void copy(std::size_t from, std::size_t to) { memories_[to] = memories_[from]; }
   void clear(std::size_t particle) { memories_[particle] = {}; }
-  std::size_t largest_packed();                                                      ///< doubles, of any particle
-  std::size_t pack(std::size_t particle, std::int64_t tag, double* buffer);          ///< returns how many were written
+  std::size_t largest_packed() const;                                                ///< doubles, of any particle
+  std::size_t pack(std::size_t particle, std::int64_t tag, double* buffer) const;    ///< returns how many were written
   std::size_t unpack(std::size_t particle, std::int64_t tag, const double* buffer);  ///< returns how many were read
 
  private:
   using Pair = std::pair<std::int64_t, std::int64_t>;
-  void sort();
+  /// Where the pair is in the table, or the free place where it belongs.
+  std::size_t place(const Pair& pair) const;
 
   std::vector<Memory> memories_;
   std::vector<Pair> pairs_;
-  std::size_t n_sorted_ = 0;  ///< of the pairs, from the first on
+  std::vector<std::uint32_t> table_;  ///< numbers of the pairs, from 1 on, by hash; 0: free; a power of two of them
 };
 
 }  // namespace granary::dem

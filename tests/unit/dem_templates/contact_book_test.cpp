@@ -76,5 +76,17 @@ TEST(ContactBook, KnowsPairsThatArriveAmongThoseItHas) {
   EXPECT_TRUE(book.touched(kTag + 1, 7));
 }
 
+TEST(ContactBook, TellsThousandsOfPairsFromOthers) {
+  ContactBook book;
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_FALSE(book.touched(1, 2));
+    for (std::int64_t owner = 1; owner <= 3000; ++owner) book.note_pair(owner, owner + 1 + owner % 7);
+    for (std::int64_t owner = 1; owner <= 3000; ++owner)
+      for (std::int64_t off = 1; off <= 8; ++off)
+        EXPECT_EQ(book.touched(owner, owner + off), off == 1 + owner % 7) << owner << " " << off;
+    book.forget_pairs();
+  }
+}
+
 }  // namespace
 }  // namespace granary::dem
