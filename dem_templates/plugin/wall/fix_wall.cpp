@@ -200,7 +200,8 @@ FixWall::Push FixWall::push(std::size_t b, int i, const Vector3& here, bool froz
   const Vector3 arm = here - body.rotation.origin;
   const bool impact = !frozen && !page.touched(number);
 
-  now_.n = 0;
+  std::array<bool, TouchBook::kMost> kept{};
+  new_.n = 0;
   Vector3 push{}, torque{};  // on the particle, in the body's frame
   for (const SurfaceTouch& touch : found_) {
     const WallApproach approach{.radius = atom->radius[i],
@@ -212,10 +213,16 @@ FixWall::Push FixWall::push(std::size_t b, int i, const Vector3& here, bool froz
                                 .wall_spin = wall_spin};
     largest_overlap_ = std::max(largest_overlap_, approach.overlap / approach.radius);
     if (touch_listener_) touch_listener_(b, i, approach.overlap / approach.radius);
-    RememberedTouch remembered = page.take(number, touch.normal);
+    RememberedTouch begun{number, touch.normal, {}};
+    const std::size_t known = page.find(number, touch.normal, kept);
+    RememberedTouch& remembered = known < page.n ? page.touch[known] : begun;
+    remembered.normal = touch.normal;
     const WallForce pushed = wall_force(materials_[static_cast<std::size_t>(atom->type[i])], rolling_, approach,
                                         update->dt, frozen, remembered.history);
-    now_.note(remembered);
+    if (known < page.n)
+      kept[known] = true;
+    else
+      new_.note(begun);
     push = push + pushed.force;
     torque = torque + pushed.torque;
     const bool begins = impact && &touch == found_.data();
@@ -227,9 +234,9 @@ FixWall::Push FixWall::push(std::size_t b, int i, const Vector3& here, bool froz
       if (listener_) listener_(b, i, speed);
     }
   }
-  page.forget(number);
-  for (std::size_t k = 0; k < now_.n; ++k) {
-    if (page.note(now_.touch[k]) || said_full_) continue;
+  page.forget_but(number, kept);
+  for (std::size_t k = 0; k < new_.n; ++k) {
+    if (page.note(new_.touch[k]) || said_full_) continue;
     said_full_ = true;
     error->warning(FLERR,
                    "granary/wall: a particle touches bodies at more than 6 places: further ones keep no history");

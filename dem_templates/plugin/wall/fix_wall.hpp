@@ -124,7 +124,7 @@ class FixWall : public LAMMPS_NS::Fix {
   ImpactListener listener_;
   TouchListener touch_listener_;
   std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
-  TouchBook::Page now_;              ///< scratch: of one particle and one body
+  TouchBook::Page new_;              ///< scratch: of one particle and one body, touches without a past
   double largest_overlap_ = 0.0;
   bool said_full_ = false;
   long summed_step_ = -1;

@@ -40,7 +40,7 @@ MeshSurface::MeshSurface(std::vector<Triangle> triangles, double smooth)
       const Vector3 &start = triangle[k], &end = triangle[(k + 1) % 3], along = unit(end - start);
       const Vector3 outwards = unit(cross(along, normal));
       set(k + 1, outwards, dot(outwards, start));
-      sides[k] = {.along = along, .from = dot(along, start), .to = dot(along, end)};
+      sides[k] = {.from = dot(along, start), .to = dot(along, end)};
     }
     planes_.push_back(planes);
     Rounded rounded;
@@ -82,11 +82,9 @@ void MeshSurface::join_sides() {
     if (a.low != b.low || a.high != b.high) continue;
     const auto join = [this](const Shared& to, const Shared& from) {
       Side& side = sides_[to.triangle][to.side];
-      const Planes& planes = planes_[from.triangle];
-      const std::size_t k = from.side + 1;
-      side.joined = true;
-      side.into = {-planes.x[k], -planes.y[k], -planes.z[k]};
-      side.into_offset = -planes.offset[k];
+      const Vector3 into = -1.0 * planes_[from.triangle].normal(from.side + 1);
+      side.on = dot(into, planes_[to.triangle].normal(to.side + 1));
+      side.rise = dot(into, planes_[to.triangle].normal(0));
     };
     join(a, b);
     join(b, a);
@@ -95,8 +93,7 @@ void MeshSurface::join_sides() {
 
 inline float MeshSurface::rough_distance2(std::uint32_t t, const std::array<float, 3>& p) const {
   const Rounded& planes = rounded_[t];
-  float over[4];
-  for (int k = 0; k < 4; ++k) over[k] = planes.x[k] * p[0] + planes.y[k] * p[1] + planes.z[k] * p[2] - planes.offset[k];
+  const Four over = planes.x * p[0] + planes.y * p[1] + planes.z * p[2] - planes.offset;
   const float outside = std::max(0.0f, std::max(over[1], std::max(over[2], over[3])));
   return over[0] * over[0] + outside * outside;
 }
@@ -209,17 +206,16 @@ double MeshSurface::find_touching(const Vector3& centre, double radius, Nearby& 
 MeshSurface::Candidate MeshSurface::on_rim(std::uint32_t t, const Vector3& centre, double radius,
                                            const Heights& over) const {
   const Planes& planes = planes_[t];
+  const Vector3 normal = planes.normal(0);
   for (std::size_t k = 0; k < 3; ++k) {
     const double out = over.over[k + 1];
     if (out <= 0.0) continue;
     const Side& side = sides_[t][k];
-    const double along = dot(centre, side.along);
+    const Vector3 outwards = planes.normal(k + 1);
+    const double along = dot(centre, cross(normal, outwards));
     if (along < side.from || along > side.to) continue;
     const double distance = std::sqrt(over.face() * over.face() + out * out);
-    if (side.joined && dot(centre, side.into) - side.into_offset > kNearer * radius)
-      return {distance, t, Candidate::Kind::seam, {}};
-    const Vector3 normal{planes.x[0], planes.y[0], planes.z[0]},
-        outwards{planes.x[k + 1], planes.y[k + 1], planes.z[k + 1]};
+    if (side.on * out + side.rise * over.face() > kNearer * radius) return {distance, t, Candidate::Kind::seam, {}};
     return {distance, t, Candidate::Kind::rim, centre - over.face() * normal - out * outwards};
   }
   const Vector3 point = nearest_point(triangles_[t], centre);
@@ -229,8 +225,7 @@ MeshSurface::Candidate MeshSurface::on_rim(std::uint32_t t, const Vector3& centr
 // Its normal points to the centre; where the centre lies in the surface, it is the surface's own.
 SurfaceTouch MeshSurface::touch(const Vector3& centre, const Candidate& candidate) const {
   const auto& [distance, t, kind, point] = candidate;
-  const Planes& planes = planes_[t];
-  const Vector3 normal{planes.x[0], planes.y[0], planes.z[0]};
+  const Vector3 normal = planes_[t].normal(0);
   if (kind == Candidate::Kind::inside) {
     const double h = height(t, centre);
     return {distance, centre - h * normal, h < 0.0 ? -1.0 * normal : normal, t};

@@ -33,10 +33,13 @@ class MeshSurface : public Surface {
   struct alignas(32) Planes {
     double x[4], y[4], z[4];
     double offset[4];  ///< of the plane along its normal [m]
+
+    Vector3 normal(std::size_t k) const { return {x[k], y[k], z[k]}; }
   };
   /// The same rounded, a line of the cache: most triangles that are looked at are too far off to touch.
+  using Four [[gnu::vector_size(16)]] = float;
   struct alignas(64) Rounded {
-    float x[4], y[4], z[4], offset[4];
+    Four x, y, z, offset;
   };
   /// Heights of a point over them [m].
   struct Heights {
@@ -47,12 +50,11 @@ class MeshSurface : public Surface {
     /// No point of the triangle is nearer.
     double beyond() const { return std::max({over[1], over[2], over[3]}); }
   };
+  /// A side as seen from its triangle: how far it reaches, and how the triangle that is joined there goes on.
   struct Side {
-    Vector3 along{};           ///< unit vector
-    double from = 0, to = 0;   ///< of its ends, along it [m]
-    bool joined = false;       ///< another triangle has the same side, ...
-    Vector3 into{};            ///< ... unit vector in its plane, from the side inwards
-    double into_offset = 0.0;  ///< of the side, along that [m]
+    double from = 0, to = 0;      ///< of its ends, along it [m]
+    double on = 0.0, rise = 0.0;  ///< the way from the side into the other triangle: along the outwards normal of the
+                                  ///< side, along the triangle's; both 0: nothing is joined
   };
   struct Candidate {
     enum class Kind {

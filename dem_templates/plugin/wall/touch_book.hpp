@@ -32,21 +32,24 @@ class TouchBook {
       return std::any_of(touch.begin(), touch.begin() + static_cast<std::ptrdiff_t>(n),
                          [&](const RememberedTouch& t) { return t.body == body; });
     }
-    /// Takes out the touch of this body whose normal is nearest to this one, if it is near enough to be the same
-    /// touch moved on; else a touch without history. A step turns a normal by v dt / R, some hundredths.
-    RememberedTouch take(double body, const Vector3& normal) {
+    /// The touch of this body whose normal is nearest to this one, if it is near enough to be the same touch moved on,
+    /// and is not one of `kept`; else n. A step turns a normal by v dt / R, some hundredths.
+    std::size_t find(double body, const Vector3& normal, const std::array<bool, kMost>& kept) const {
       std::size_t best = n;
       double likeness = kSameTouch;
       for (std::size_t k = 0; k < n; ++k) {
-        if (touch[k].body != body || dot(touch[k].normal, normal) <= likeness) continue;
-        likeness = dot(touch[k].normal, normal);
+        if (touch[k].body != body || kept[k]) continue;
+        const double alike = dot(touch[k].normal, normal);
+        if (alike <= likeness) continue;
+        likeness = alike;
         best = k;
       }
-      if (best == n) return {body, normal, {}};
-      RememberedTouch found = touch[best];
-      touch[best] = touch[--n];
-      found.normal = normal;
-      return found;
+      return best;
+    }
+    /// All touches of this body but `kept`.
+    void forget_but(double body, const std::array<bool, kMost>& kept) {
+      for (std::size_t k = n; k-- > 0;)
+        if (touch[k].body == body && !kept[k]) touch[k] = touch[--n];
     }
     /// All touches of this body.
     void forget(double body) {
