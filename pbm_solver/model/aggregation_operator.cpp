@@ -147,8 +147,12 @@ void AggregationOperator::refresh(const ParticleTable& particles) {
     case Form::pairs:
       kernel_.look_at(particles);
       beta_.resize(static_cast<std::size_t>(tables_->pairs->size()) * lanes_);
-      tables_->pairs->for_each_row([&](int k, int first, int count, long at) {
-        kernel_.row(particles, k, first, count, &beta_[static_cast<std::size_t>(at) * lanes_]);
+      row_.resize(n_ * lanes_);
+      tables_->pairs->for_each_row([&](int k, int first, int count, long at, int step) {
+        kernel_.row(particles, k, first, count, row_.data());
+        for (int m = 0; m < count; ++m)
+          std::copy_n(&row_[static_cast<std::size_t>(m) * lanes_], lanes_,
+                      &beta_[static_cast<std::size_t>(at + long(m) * step) * lanes_]);
       });
       return;
     case Form::low_rank:

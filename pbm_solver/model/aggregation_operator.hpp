@@ -106,7 +106,7 @@ class AggregationOperator {
   LaneVector wet_;          ///< empty: all
   LaneVector coefficient_;  ///< groups: C [1/s], shape (groups^2, lanes)
   std::vector<Factors> factors_;
-  LaneVector beta_;                       ///< pairs: [pair][lanes]
+  LaneVector beta_, row_;                 ///< pairs: [pair][lanes]; one row of them
   std::vector<PairKernel> single_;        ///< low_rank: the kernel of each lane by itself
   std::vector<LaneVector> plus_, minus_;  ///< low_rank: factors, [class][lanes]
   double kernel_error_ = 0.0;

@@ -2,18 +2,26 @@
 
 namespace granary::pbm {
 
-PairList::PairList(const ClassGrid& grid) : n1_(grid.axis(0).size()), n2_(grid.axis(1).size()) {
-  const SolidAxis& rows = grid.axis(0);
-  first_pair_.assign(static_cast<std::size_t>(n1_ * n1_), 0);
-  row_cell_.assign(static_cast<std::size_t>(n1_ * n1_), n1_);
-  for (int i1 = 0; i1 < n1_; ++i1)
-    for (int i2 = 0; i2 <= i1; ++i2) {
-      const auto at = static_cast<std::size_t>(i1 * n1_ + i2);
-      row_cell_[at] = rows.sum_cell(i1, i2);
-      first_pair_[at] = size_;
-      size_ += i1 == i2 ? long(n2_) * (n2_ + 1) / 2 : long(n2_) * n2_;
-    }
+PairList::PairList(const ClassGrid& grid)
+    : n2_(grid.axis(1).size()), size_(static_cast<long>(grid.size()) * static_cast<long>(grid.size() + 1) / 2) {
+  list_blocks(grid.axis(0));
   list_columns(grid.axis(1));
+}
+
+/// Rows side by side whose sums with i1 fall into the same cells, in blocks as even as they can be.
+void PairList::list_blocks(const SolidAxis& rows) {
+  constexpr int most = simd::PairBlock::most_rows;
+  for (int i1 = 0; i1 < rows.size(); ++i1) {
+    for (int first = 0, end; first < i1; first = end) {
+      const int cells = rows.sum_cell(i1, first);
+      for (end = first + 1; end < i1 && rows.sum_cell(i1, end) == cells;) ++end;
+      for (int blocks = (end - first + most - 1) / most, count; blocks > 0; first += count, --blocks) {
+        count = (end - first + blocks - 1) / blocks;
+        blocks_.push_back({i1, first, count, cells});
+      }
+    }
+    blocks_.push_back({i1, i1, 1, rows.sum_cell(i1, i1)});
+  }
 }
 
 void PairList::list_columns(const SolidAxis& columns) {
@@ -33,21 +41,25 @@ void PairList::list_columns(const SolidAxis& columns) {
 }
 
 simd::PairView PairList::view(const double* beta) const {
-  return {row_cell_.data(), columns_.data(), leaving_.data(), beta, first_pair_.data()};
+  return {blocks_.data(), static_cast<int>(blocks_.size()), columns_.data(), leaving_.data(), beta};
 }
 
-void PairList::for_each_row(const std::function<void(int, int, int, long)>& row) const {
-  for (int i1 = 0; i1 < n1_; ++i1)
-    for (int i2 = 0; i2 <= i1; ++i2) {
-      const long first = first_pair_[static_cast<std::size_t>(i1 * n1_ + i2)];
-      for (int j = 0; j < n2_; ++j) {
-        if (i1 == i2) {
-          row(i1 * n2_ + j, i1 * n2_, j + 1, first + long(j) * (j + 1) / 2);
-        } else {
-          row(i1 * n2_ + j, i2 * n2_, j + 1, first + long(j) * j);
-          row(i2 * n2_ + j, i1 * n2_, j, first + long(j) * j + j + 1);
-        }
+void PairList::for_each_row(const std::function<void(int, int, int, long, int)>& row) const {
+  long at = 0;
+  for (const simd::PairBlock& b : blocks_)
+    for (int j = 0; j < n2_; ++j) {
+      const int of_1 = b.i1 * n2_ + j;
+      if (b.i1 == b.i2) {
+        row(of_1, b.i1 * n2_, j + 1, at, 1);
+        at += j + 1;
+        continue;
       }
+      for (int r = 0; r < b.rows; ++r) {
+        const int first = (b.i2 + r) * n2_;
+        row(of_1, first, j + 1, at + r, 2 * b.rows);
+        row(first + j, b.i1 * n2_, j, at + b.rows + r, 2 * b.rows);
+      }
+      at += static_cast<long>(b.rows) * (2 * j + 1);
     }
 }
 

@@ -1,4 +1,4 @@
-// Every unordered pair of classes in the order of the double loop, for kernels without structure.
+// Every unordered pair of classes, in the order in which they meet, for kernels without structure.
 #pragma once
 
 #include <functional>
@@ -17,17 +17,18 @@ class PairList {
   long size() const { return size_; }
   /// beta of size() pairs, [pair][lanes].
   simd::PairView view(const double* beta) const;
-  /// Calls row(k, first, count, at) for all pairs: class k with classes first .. first + count - 1, whose values lie at
-  /// at .. at + count - 1.
-  void for_each_row(const std::function<void(int k, int first, int count, long at)>& row) const;
+  /// Calls row(k, first, count, at, step) for all pairs: class k with classes first .. first + count - 1, whose values
+  /// lie at at, at + step ...
+  void for_each_row(const std::function<void(int k, int first, int count, long at, int step)>& row) const;
 
  private:
+  void list_blocks(const SolidAxis& rows);
   void list_columns(const SolidAxis& columns);
 
-  int n1_, n2_;
-  std::vector<int> row_cell_, columns_, leaving_;  ///< see simd::PairView
-  std::vector<long> first_pair_;
-  long size_ = 0;
+  int n2_;
+  std::vector<simd::PairBlock> blocks_;
+  std::vector<int> columns_, leaving_;  ///< see simd::PairView
+  long size_;
 };
 
 }  // namespace granary::pbm

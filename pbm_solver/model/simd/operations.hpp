@@ -22,14 +22,22 @@ struct GroupView {
   const int *top_of_1 = nullptr, *top_of_2 = nullptr;  ///< which of them a row and a column has, shapes (n1), (n2)
 };
 
-/// Pairs in the order of the double loop: rows i1 >= i2; within them each j with its partners j' <= j of row i2, then
-/// with those j' < j of row i1.
+/// Row i1 with rows i2 .. i2 + rows - 1 below it, whose sums fall into one row of cells (n1: above the grid); or with
+/// itself, i2 = i1.
+struct PairBlock {
+  static constexpr int most_rows = 4;
+  int i1, i2, rows, cells;
+};
+
+/// All pairs of classes, block after block; within a block column j after column. beta of column j: for each partner
+/// m < j that of (i1, j) with (i2, m) of each row i2, then that of (i2, j) with (i1, m) of each; at the end that of
+/// (i1, j) with (i2, j) of each. Of a row with itself: (i1, j) with (i1, m), m <= j.
 struct PairView {
-  const int* row_cell = nullptr;  ///< destination row of (i1, i2), n1 for above the grid, shape (n1, n1)
-  const int* columns = nullptr;   ///< of each j: how many ranges of partners, and (first, last, cell) of each
-  const int* leaving = nullptr;   ///< of each j: its first partner whose sum with it is above the grid; beyond j: none
-  const double* beta = nullptr;   ///< [pair][W]
-  const long* first_pair = nullptr;  ///< of (i1, i2) with i2 <= i1, shape (n1, n1)
+  const PairBlock* blocks = nullptr;
+  int n_blocks = 0;
+  const int* columns = nullptr;  ///< of each j: how many ranges of partners, and (first, last, cell) of each
+  const int* leaving = nullptr;  ///< of each j: its first partner whose sum with it is above the grid; beyond j: none
+  const double* beta = nullptr;  ///< [pair][W]
 };
 
 /// Weights of fragments on the pivots, per broken parent. Either products of two solids' weights, or lists.
