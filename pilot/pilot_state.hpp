@@ -45,6 +45,7 @@ struct Pilot::State {
   bool turn_posted = false;
   std::vector<Action> todo;  ///< once the journal has what led to it
   std::string text;          ///< of the record being written
+  std::vector<TaskId> ends_to_tell;
   bool idle_told = true;
   bool sync_set = false;
   std::optional<Error> failure;
@@ -82,9 +83,9 @@ struct Pilot::State {
 
   /// Both what we decide to do and what has happened in the world; what follows from it is done by the turn, once it is
   /// written.
-  void happens(const Event& event) {
+  void happens(Event event) {
     record(event);
-    update(table, event, todo);
+    update(table, std::move(event), todo);
     turn_soon();
   }
 
@@ -117,8 +118,8 @@ struct Pilot::State {
 
   void turn() {
     if (!stopping) {
-      for (const Decision& decision : scheduler.decide(now(), deadline))
-        std::visit([this](const auto& what) { carry_out(what); }, decision);
+      for (Decision& decision : scheduler.decide(now(), deadline))
+        std::visit([this](auto& what) { carry_out(what); }, decision);
       end_early_if_nothing_fits();
     }
     const bool written = flush().has_value();
@@ -142,7 +143,7 @@ struct Pilot::State {
     return {{task.id, attempt.number},
             task.spec,
             folder_of(task.spec),
-            attempt.pieces.back().cores.list(),
+            attempt.pieces.back().cores,
             mark_of({task.id, attempt.number})};
   }
 
@@ -169,9 +170,9 @@ struct Pilot::State {
         launch_of(task, task.last()), [this, attempt = spawn.attempt](const RunEnd& end) { run_ended(attempt, end); });
     if (started) {
       // Nothing follows from it, so it may wait for the next write; after a kill the mark finds the process without it.
-      const Event event{now(), Started{spawn.attempt, started->pid, started->start_ticks}};
+      Event event{now(), Started{spawn.attempt, started->pid, started->start_ticks}};
       record(event);
-      update(table, event, todo);
+      update(table, std::move(event), todo);
       sync_soon();
     } else {
       happens({now(), StartFailed{spawn.attempt, started.error().message}});
@@ -196,7 +197,7 @@ struct Pilot::State {
   void act(const Kill& kill) { launcher.kill(kill.attempt); }
   void act(const Pause& pause) { launcher.suspend(pause.attempt); }
   void act(const Continue& go_on) {
-    launcher.resume(go_on.attempt, table.at(go_on.attempt.task).last().pieces.back().cores.list());
+    launcher.resume(go_on.attempt, table.at(go_on.attempt.task).last().pieces.back().cores);
   }
 
   void act(const SetAlarm& set) {
@@ -222,11 +223,17 @@ struct Pilot::State {
   }
 
   void act(const Report& report) {
-    loop.post([this, id = report.id, watch = std::weak_ptr<bool>(alive)] {
+    if (ends_to_tell.empty()) post(&State::tell_ends);
+    ends_to_tell.push_back(report.id);
+  }
+
+  void tell_ends() {
+    const std::weak_ptr<bool> watch = alive;
+    for (const TaskId id : std::exchange(ends_to_tell, {})) {
       if (watch.expired()) return;
       const TaskEnd end = end_of(table.at(id), folder_of(table.at(id).spec));
-      for (std::size_t k = 0; k < end_callbacks.size() && !watch.expired(); ++k) end_callbacks[k](end);
-    });
+      for (std::size_t k = 0; !watch.expired() && k < end_callbacks.size(); ++k) end_callbacks[k](end);
+    }
   }
 
   // --- scheduling ---
@@ -250,8 +257,8 @@ struct Pilot::State {
     for (std::size_t k = 0; k < idle_callbacks.size() && !watch.expired(); ++k) idle_callbacks[k]();
   }
 
-  void carry_out(const StartTask& start) {
-    happens({now(), Placed{{start.id, table.at(start.id).attempt_id().number + 1}, start.cores}});
+  void carry_out(StartTask& start) {
+    happens({now(), Placed{{start.id, table.at(start.id).attempt_id().number + 1}, std::move(start.cores)}});
   }
   void carry_out(const SuspendFiller& suspend) { happens({now(), Suspended{table.at(suspend.id).attempt_id()}}); }
   void carry_out(const KillFiller& kill) { happens({now(), Preempted{table.at(kill.id).attempt_id()}}); }

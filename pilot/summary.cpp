@@ -4,13 +4,13 @@
 
 namespace granary::pilot {
 
-TaskEnd end_of(const Task& task, const std::filesystem::path& dir) {
+TaskEnd end_of(const Task& task, std::filesystem::path dir) {
   TaskEnd end;
   end.id = task.id;
   end.name = task.spec.name;
   end.state = task.state;
   end.start = end.end = task.ended;
-  end.dir = dir;
+  end.dir = std::move(dir);
   end.reason = task.reason;
   if (task.attempts.empty()) return end;
   const Attempt& last = task.last();
@@ -18,7 +18,7 @@ TaskEnd end_of(const Task& task, const std::filesystem::path& dir) {
   end.signal = last.signal;
   end.attempt = last.number;
   end.start = last.start;
-  end.cores = last.pieces.back().cores.list();
+  end.cores = last.pieces.back().cores;
   end.cpu_s = last.cpu_s;
   return end;
 }

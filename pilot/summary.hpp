@@ -11,7 +11,7 @@
 namespace granary::pilot {
 
 /// Of a task that has ended; `dir` is its absolute folder.
-TaskEnd end_of(const Task& task, const std::filesystem::path& dir);
+TaskEnd end_of(const Task& task, std::filesystem::path dir);
 Usage usage_of(const Table& table, int n_cores, double now);
 std::vector<Interval> timeline_of(const Table& table, double now);
 json::Value status_of(const Table& table, const Resources& resources, double now);

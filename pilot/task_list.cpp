@@ -65,7 +65,7 @@ json::Value TaskListSummary::json() const {
   json::Value list = json::Value::array();
   for (const TaskEnd& end : ends) {
     json::Value cores = json::Value::array();
-    for (const int core : end.cores) cores.push(core);
+    end.cores.for_each([&](int core) { cores.push(core); });
     list.push(json::Value::object({{"name", end.name},
                                    {"state", name_of(end.state)},
                                    {"exit_code", end.exit_code},

@@ -36,7 +36,7 @@ Result<std::vector<std::string>> with_ranks(const std::vector<std::string>& comm
   launch.spec.command = command;
   launch.spec.ranks = ranks;
   launch.spec.mpi = true;
-  for (int core = 0; core < ranks; ++core) launch.cores.push_back(core);
+  launch.cores.add(0, ranks);
   const fs::path rank_file = folder / "ranks";
   GRANARY_CHECK(write_text_atomically(rank_file, pilot::rank_file_text(launch, machine)));
   std::vector<std::string> env;

@@ -160,7 +160,7 @@ class Bench {
     for (const TaskSpec& task : tasks) {
       Stamps stamps;
       std::ifstream(dir / (task.name + ".out")) >> stamps.begin >> stamps.end;
-      by_core[site->pilot->end(*site->pilot->find(task.name))->cores.at(0)].push_back(stamps);
+      by_core[site->pilot->end(*site->pilot->find(task.name))->cores.front()].push_back(stamps);
     }
     std::vector<double> gaps;
     for (auto& [core, stamps] : by_core) {

@@ -167,7 +167,7 @@ pilot::TaskSpec FileHandover::monitor_task(const BurstId& burst, int attempt) co
   task.priority = 10;
   using monitor::Outcome;
   for (const Outcome said : {Outcome::drifted, Outcome::steady, Outcome::converged, Outcome::diverged})
-    task.success.push_back(monitor::exit_code(said));
+    task.success.set(static_cast<std::size_t>(monitor::exit_code(said)));
   task.dir = fs::path("bursts") / burst.folder();
   task.stop.grace = 20.0;
   task.command = {(programs_ / "granary-monitor").string(),

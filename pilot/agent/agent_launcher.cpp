@@ -46,8 +46,9 @@ struct AgentLauncher::State {
   Attempt placed(const Launch& launch) const {
     Attempt attempt;
     attempt.launch = launch;
-    for (const int core : launch.cores)
+    launch.cores.for_each([&](int core) {
       if (attempt.nodes.empty() || attempt.nodes.back() != node_with(core)) attempt.nodes.push_back(node_with(core));
+    });
     if (attempt.nodes.empty()) attempt.nodes.push_back(node_for_light());
     attempt.home = attempt.nodes.front();
     attempt.launch.cores = own_cores(launch.cores, attempt.home);
@@ -56,22 +57,23 @@ struct AgentLauncher::State {
   }
 
   /// Of these cores those on the node, as the node numbers them.
-  std::vector<int> own_cores(const std::vector<int>& cores, int node) const {
-    std::vector<int> own;
-    for (const int core : cores)
-      if (node_with(core) == node) own.push_back(number_there(core));
+  CoreSet own_cores(const CoreSet& cores, int node) const {
+    CoreSet own;
+    cores.for_each([&](int core) {
+      if (node_with(core) == node) own.add(number_there(core));
+    });
     return own;
   }
 
-  std::vector<HostCores> host_cores(const std::vector<int>& cores) const {
+  std::vector<HostCores> host_cores(const CoreSet& cores) const {
     std::vector<HostCores> hosts;
     int node = -1;
-    for (const int core : cores) {
+    cores.for_each([&](int core) {
       if (node_with(core) != node) hosts.push_back({roster->host(node_with(core)), {}});
       node = node_with(core);
       const Node& there = roster->machine().nodes[static_cast<std::size_t>(node)];
       hosts.back().cpus.push_back(there.cpus[static_cast<std::size_t>(number_there(core))]);
-    }
+    });
     return hosts;
   }
 
@@ -222,9 +224,10 @@ void AgentLauncher::suspend(AttemptId id) {
   state_->signal_elsewhere(id, SIGSTOP);
 }
 
-void AgentLauncher::resume(AttemptId id, const std::vector<int>& cores) {
+void AgentLauncher::resume(AttemptId id, const CoreSet& cores) {
   if (const State::Attempt* attempt = state_->living(id))
-    state_->order("resume", id, json::Value::object({{"cores", to_json(state_->own_cores(cores, attempt->home))}}));
+    state_->order("resume", id,
+                  json::Value::object({{"cores", to_json(state_->own_cores(cores, attempt->home).list())}}));
   state_->signal_elsewhere(id, SIGCONT);
 }
 

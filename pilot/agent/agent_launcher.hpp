@@ -45,7 +45,7 @@ class AgentLauncher final : public Launcher {
   void signal(AttemptId attempt, int signal_number) override;
   void kill(AttemptId attempt) override;
   void suspend(AttemptId attempt) override;
-  void resume(AttemptId attempt, const std::vector<int>& cores) override;
+  void resume(AttemptId attempt, const CoreSet& cores) override;
   Status set_aside(const Launch& earlier, bool own_folder) override;
   /// Nothing to do: agents end what earlier ones left before they take anything.
   bool end_orphan(const ProcessKey& key, const std::string& mark) override;

@@ -63,7 +63,7 @@ json::Value to_json(const Launch& launch) {
   json::Value value = json::Value::object({{"id", to_json(launch.attempt)},
                                            {"spec", to_json(launch.spec)},
                                            {"dir", launch.dir.string()},
-                                           {"cores", to_json(launch.cores)},
+                                           {"cores", to_json(launch.cores.list())},
                                            {"mark", launch.mark}});
   if (launch.hosts.empty()) return value;
   json::Value hosts = json::Value::array();

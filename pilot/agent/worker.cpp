@@ -86,7 +86,7 @@ class Worker {
     const auto launch = launch_from_json(message);
     if (!launch) return log::warning("agent", "dropped a message: " + launch.error().message);
     const AttemptId attempt = launch->attempt;
-    for (const int core : launch->cores)
+    for (const int core : launch->cores.list())
       if (core >= n_cores_) return ended(attempt, not_started("the pilot named a core that this node does not have"));
     const auto started = launcher_->start(*launch, [this, attempt](const RunEnd& end) { ended(attempt, end); });
     if (!started) ended(attempt, not_started(started.error().message));

@@ -100,7 +100,7 @@ std::vector<std::string> mpirun_argv(const Launch& launch, const std::vector<std
       hosts += fmt::format("{}{}:{}", hosts.empty() ? "" : ",", one.host, one.cpus.size());
     argv.insert(argv.end(), {"--host", hosts});
   }
-  if (launch.cores.size() < static_cast<std::size_t>(launch.spec.ranks) && launch.hosts.empty()) {
+  if (launch.cores.size() < launch.spec.ranks && launch.hosts.empty()) {
     argv.insert(argv.end(),
                 {"--oversubscribe", "--bind-to", "none"});  // more ranks than cores: they share the inherited mask
   } else {
@@ -125,7 +125,7 @@ std::string rank_file_text(const Launch& launch, const Machine& machine) {
   for (const HostCores& one : launch.hosts)
     for (const int cpu : one.cpus) places.emplace_back(several ? one.host : "localhost", cpu);
   if (launch.hosts.empty())
-    for (const int core : launch.cores) places.emplace_back("localhost", machine.cpu_of(core));
+    launch.cores.for_each([&](int core) { places.emplace_back("localhost", machine.cpu_of(core)); });
 
   std::string text;
   const auto threads = static_cast<std::size_t>(launch.spec.threads);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "pilot/task/core_set.hpp"
 #include "pilot/task/spec.hpp"
 
 namespace granary::pilot {
@@ -24,7 +25,7 @@ struct Launch {
   AttemptId attempt;
   TaskSpec spec;
   std::filesystem::path dir;     ///< absolute working folder
-  std::vector<int> cores;        ///< core indices of the machine; empty for a light task
+  CoreSet cores;                 ///< core indices of the machine; empty for a light task
   std::string mark;              ///< put into the environment (GRANARY_MARK), by which strays are found
   std::vector<HostCores> hosts;  ///< of a task over several nodes: all its cores, in the order of its ranks; else empty
 };
@@ -59,7 +60,7 @@ class Launcher {
   virtual void kill(AttemptId attempt) = 0;
   virtual void suspend(AttemptId attempt) = 0;
   /// Goes on, on these cores (pinned anew if they are others than before).
-  virtual void resume(AttemptId attempt, const std::vector<int>& cores) = 0;
+  virtual void resume(AttemptId attempt, const CoreSet& cores) = 0;
   /// Before a retry: moves what the `earlier` attempt wrote into NAME.attempt-N/ beside it: its output files, what it
   /// should produce and, where the folder is the task's own, whatever was written there since it started.
   virtual Status set_aside(const Launch& earlier, bool own_folder) = 0;

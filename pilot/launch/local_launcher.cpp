@@ -65,10 +65,10 @@ struct LocalLauncher::State {
     return found == running.end() || found->second.pidfd < 0 ? nullptr : &found->second;
   }
 
-  std::vector<int> cpus_of(const std::vector<int>& cores) const {
+  std::vector<int> cpus_of(const CoreSet& cores) const {
     if (cores.empty()) return all_cpus;
     std::vector<int> cpus;
-    for (const int core : cores) cpus.push_back(machine.cpu_of(core));
+    cores.for_each([&](int core) { cpus.push_back(machine.cpu_of(core)); });
     return cpus;
   }
 
@@ -194,11 +194,11 @@ void LocalLauncher::suspend(AttemptId attempt) {
   signal_marked(run->launch.mark, SIGSTOP);  // ranks, in groups of their own
 }
 
-void LocalLauncher::resume(AttemptId attempt, const std::vector<int>& cores) {
+void LocalLauncher::resume(AttemptId attempt, const CoreSet& cores) {
   State::Running* run = state_->living(attempt);
   if (run == nullptr) return;
   run->suspended = false;
-  if (cores != run->launch.cores) {
+  if (!(cores == run->launch.cores)) {
     run->launch.cores = cores;
     pin_marked(run->launch.mark, state_->cpus_of(cores));
   }

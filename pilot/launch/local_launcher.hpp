@@ -21,7 +21,7 @@ class LocalLauncher final : public Launcher {
   void signal(AttemptId attempt, int signal_number) override;
   void kill(AttemptId attempt) override;
   void suspend(AttemptId attempt) override;
-  void resume(AttemptId attempt, const std::vector<int>& cores) override;
+  void resume(AttemptId attempt, const CoreSet& cores) override;
   Status set_aside(const Launch& earlier, bool own_folder) override;
   bool end_orphan(const ProcessKey& key, const std::string& mark) override;
 

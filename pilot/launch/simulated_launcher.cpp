@@ -8,14 +8,14 @@ SimulatedLauncher::SimulatedLauncher(EventLoop& loop, std::function<SimulatedRun
     : loop_(loop), model_(std::move(model)) {}
 
 Result<ProcessKey> SimulatedLauncher::start(const Launch& launch, std::function<void(const RunEnd&)> ended) {
-  Run run;
+  Run& run = runs_[launch.attempt];
   run.plan = model_(launch.spec);
-  run.cores = static_cast<int>(launch.cores.size());
+  run.cores = launch.cores.size();
   run.left = run.plan.seconds;
   run.since = loop_.now();
-  run.end.exit_code = run.plan.exit_code;
+  run.exit_code = run.plan.exit_code;
   run.ended = std::move(ended);
-  arm(launch.attempt, runs_.emplace(launch.attempt, std::move(run)).first->second);
+  arm(launch.attempt, run);
   return ProcessKey{};
 }
 
@@ -36,9 +36,12 @@ void SimulatedLauncher::end(AttemptId attempt) {
   auto node = runs_.extract(attempt);
   Run& run = node.mapped();
   settle(run);
-  run.end.cpu_s = run.cpu_s;
   if (run.plan.at_end) run.plan.at_end();
-  run.ended(run.end);
+  RunEnd end;
+  end.exit_code = run.exit_code;
+  end.signal = run.signal;
+  end.cpu_s = run.cpu_s;
+  run.ended(end);
 }
 
 void SimulatedLauncher::signal(AttemptId attempt, int signal_number) {
@@ -50,7 +53,7 @@ void SimulatedLauncher::signal(AttemptId attempt, int signal_number) {
   if (signal_number == SIGKILL) return kill(attempt);
   if (!run.plan.ignores_stop && run.plan.stop_after < run.left) {
     run.left = run.plan.stop_after;
-    run.end.exit_code = run.plan.stop_exit_code;
+    run.exit_code = run.plan.stop_exit_code;
   }
   arm(attempt, run);
 }
@@ -62,8 +65,8 @@ void SimulatedLauncher::kill(AttemptId attempt) {
   settle(run);
   run.suspended = false;
   run.left = 0.0;
-  run.end.exit_code = -1;
-  run.end.signal = SIGKILL;
+  run.exit_code = -1;
+  run.signal = SIGKILL;
   arm(attempt, run);
 }
 
@@ -75,7 +78,7 @@ void SimulatedLauncher::suspend(AttemptId attempt) {
   loop_.cancel(found->second.timer);
 }
 
-void SimulatedLauncher::resume(AttemptId attempt, const std::vector<int>&) {
+void SimulatedLauncher::resume(AttemptId attempt, const CoreSet&) {
   const auto found = runs_.find(attempt);
   if (found == runs_.end()) return;
   settle(found->second);

@@ -27,7 +27,7 @@ class SimulatedLauncher final : public Launcher {
   void signal(AttemptId attempt, int signal_number) override;
   void kill(AttemptId attempt) override;
   void suspend(AttemptId attempt) override;
-  void resume(AttemptId attempt, const std::vector<int>& cores) override;
+  void resume(AttemptId attempt, const CoreSet& cores) override;
   Status set_aside(const Launch& earlier, bool own_folder) override;
   bool end_orphan(const ProcessKey& key, const std::string& mark) override;
 
@@ -39,7 +39,7 @@ class SimulatedLauncher final : public Launcher {
     double since = 0.0;  ///< clock when `left` was last true [s]
     double cpu_s = 0.0;
     bool suspended = false;
-    RunEnd end;  ///< what it will end with
+    int exit_code = 0, signal = 0;  ///< what it will end with
     TimerId timer = TimerId::none;
     std::function<void(const RunEnd&)> ended;
   };

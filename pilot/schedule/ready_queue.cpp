@@ -1,14 +1,16 @@
 #include "pilot/schedule/ready_queue.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace granary::pilot {
 namespace {
 
-/// A turn as a number: the smaller, the earlier.
-std::uint64_t number_of(const Turn& turn) {
-  const auto later = static_cast<std::uint64_t>(std::int64_t{std::numeric_limits<int>::max()} - turn.priority);
-  return later << 31U | static_cast<std::uint64_t>(turn.id.value);
+/// A task's turn as a number: the smaller, the earlier.
+std::uint64_t number_of(const Task& task) {
+  const auto later = static_cast<std::uint64_t>(std::int64_t{std::numeric_limits<int>::max()} - task.spec.priority);
+  return later << 31U | static_cast<std::uint64_t>(task.id.value);
 }
 
 std::optional<TaskId> task_of(std::uint64_t number) {
@@ -16,45 +18,69 @@ std::optional<TaskId> task_of(std::uint64_t number) {
   return TaskId{static_cast<int>(number & 0x7fffffffU)};
 }
 
-Turn turn_of(const Task& task) { return {task.spec.priority, task.id}; }
-
 }  // namespace
+
+std::size_t ReadyQueue::HashKey::operator()(const Key& key) const {
+  std::uint64_t hash = 0;
+  for (const auto part : {std::int64_t{key.layout.nodes}, std::int64_t{key.layout.large},
+                          std::int64_t{key.layout.small}, key.layout.memory, std::int64_t{key.bucket * 2 + key.spread}})
+    hash = (hash ^ (hash >> 29U) ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15ULL;
+  return hash ^ (hash >> 32U);
+}
 
 int ReadyQueue::bucket_of(double duration) {
   if (duration <= 0.0) return kBuckets - 1;
-  int bucket = 0;
-  while (bucket < kBuckets - 1 && duration > longest_in(bucket)) ++bucket;
-  return bucket;
+  int exponent = 0;
+  const double mantissa = std::frexp(duration, &exponent);  // in [0.5, 1)
+  return std::clamp(exponent - (mantissa == 0.5) + 4, 0, kBuckets - 1);
 }
 
-double ReadyQueue::longest_in(int bucket) { return std::ldexp(1.0, bucket - 4); }
+double ReadyQueue::longest_in(int bucket) {
+  static const auto longest = [] {
+    std::array<double, kBuckets> durations{};
+    for (int b = 0; b < kBuckets; ++b) durations[static_cast<std::size_t>(b)] = std::ldexp(1.0, b - 4);
+    return durations;
+  }();
+  return longest[static_cast<std::size_t>(bucket)];
+}
+
+ReadyQueue::Group& ReadyQueue::group_for(const Key& key) {
+  const auto [found, is_new] = groups_.try_emplace(key);
+  Group& group = found->second;
+  if (!is_new) return group;
+  group.layout = key.layout;
+  group.bucket = key.bucket;
+  const auto level = static_cast<std::size_t>(key.layout.small);
+  if (levels_.size() <= level) levels_.resize(level + 1);
+  const auto [site, first_there] = levels_[level].sites.try_emplace(key.layout.nodes);
+  if (first_there) site->second.first.fill(MinTree::kNone);
+  group.site = &site->second;
+  group.peers = &group.site->groups[key.bucket];
+  group.peers->push_back(&group);
+  return group;
+}
 
 void ReadyQueue::insert(const Task& task, const Layout& layout) {
-  const Key key{layout, bucket_of(task.spec.duration()), task.spec.placement == Placement::spread};
-  auto [found, is_new] = groups_.try_emplace(key);
-  Group& group = found->second;
-  if (is_new) {
-    group.layout = layout;
-    group.bucket = key.bucket;
-    if (levels_.size() <= static_cast<std::size_t>(layout.small))
-      levels_.resize(static_cast<std::size_t>(layout.small) + 1);
-    levels_[static_cast<std::size_t>(layout.small)].groups[{key.bucket, layout.nodes}].push_back(&group);
-  }
+  Group& group = group_for({layout, bucket_of(task.spec.duration()), task.spec.placement == Placement::spread});
   if (group_of_.size() <= index(task.id)) group_of_.resize(std::max(index(task.id) + 1, 2 * group_of_.size()), nullptr);
   group_of_[index(task.id)] = &group;
   ++size_;
-  group.tasks.insert(turn_of(task));
-  if (group.tasks.begin()->id == task.id) refresh(group);
+  const std::uint64_t number = number_of(task);
+  group.turns.push_back(number);
+  std::push_heap(group.turns.begin(), group.turns.end(), std::greater<>());
+  if (group.first() == number) refresh(group);
 }
 
 void ReadyQueue::erase(const Task& task) {
   if (!has(task.id)) return;
-  Group& group = *group_of_[index(task.id)];
-  const bool was_first = group.tasks.begin()->id == task.id;
-  group.tasks.erase(turn_of(task));
-  group_of_[index(task.id)] = nullptr;
+  Group& group = *std::exchange(group_of_[index(task.id)], nullptr);
   --size_;
-  if (was_first) refresh(group);
+  if (group.first() != number_of(task)) return;
+  while (!group.turns.empty() && group_of_[index(*task_of(group.first()))] != &group) {
+    std::pop_heap(group.turns.begin(), group.turns.end(), std::greater<>());
+    group.turns.pop_back();
+  }
+  refresh(group);
 }
 
 /// Writes the first turn among the groups of the same cores, nodes and duration into the trees.
@@ -62,28 +88,21 @@ void ReadyQueue::refresh(const Group& group) {
   Level& level = levels_[static_cast<std::size_t>(group.layout.small)];
   const int nodes = group.layout.nodes;
   std::uint64_t first = MinTree::kNone;
-  for (const Group* other : level.groups[{group.bucket, nodes}]) {
-    if (!other->passed && !other->tasks.empty()) first = std::min(first, number_of(*other->tasks.begin()));
+  for (const Group* peer : *group.peers) {
+    if (!peer->passed) first = std::min(first, peer->first());
   }
-  MinTree& own = level.by_duration[static_cast<std::size_t>(group.bucket)];
-  const std::uint64_t before = own.at(nodes);
-  if (first == before) return;
-  own.set(nodes, first);
-  std::uint64_t any = std::min(first, level.any.at(nodes));
-  if (any == before) {  // it was the first of all; who is it now?
-    any = first;
-    for (const MinTree& tree : level.by_duration) any = std::min(any, tree.at(nodes));
-  }
-  level.any.set(nodes, any);
+  std::uint64_t& now = group.site->first[static_cast<std::size_t>(group.bucket)];
+  if (first == now) return;
+  now = first;
+  level.by_duration[static_cast<std::size_t>(group.bucket)].set(nodes, first);
+  level.any.set(nodes, *std::min_element(group.site->first.begin(), group.site->first.end()));
   tops_.set(group.layout.small, level.any.smallest());
 }
 
 std::optional<TaskId> ReadyQueue::first() const {
   std::uint64_t first = tops_.smallest();
   for (const auto* groups : {&passed_, &passed_for_memory_}) {
-    for (const Group* group : *groups) {
-      if (!group->tasks.empty()) first = std::min(first, number_of(*group->tasks.begin()));
-    }
+    for (const Group* group : *groups) first = std::min(first, group->first());
   }
   return task_of(first);
 }

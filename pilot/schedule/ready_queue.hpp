@@ -3,10 +3,11 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
+#include <unordered_map>
 #include <vector>
 
 #include "pilot/schedule/layout.hpp"
@@ -41,35 +42,50 @@ class ReadyQueue {
  private:
   // Durations by powers of 2 [s]: bucket b holds those up to 2^(b-4); the last one those that are unknown or longer.
   static constexpr int kBuckets = 28;
+  struct Site;
   struct Group {
     Layout layout;
     int bucket = 0;
-    std::set<Turn> tasks;
     bool passed = false;
+    /// A heap of turns as numbers, the first in front. What was erased behind it stays until it comes to the front.
+    std::vector<std::uint64_t> turns;
+    Site* site = nullptr;
+    std::vector<Group*>* peers = nullptr;  ///< of the same site and bucket, itself among them
+
+    std::uint64_t first() const { return turns.empty() ? MinTree::kNone : turns.front(); }
+  };
+  /// The groups of as many cores a node on as many nodes.
+  struct Site {
+    std::array<std::uint64_t, kBuckets> first;  ///< turn by bucket
+    std::map<int, std::vector<Group*>> groups;  ///< by bucket
   };
   struct Key {
     Layout layout;
     int bucket = 0;
     bool spread = false;
-    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr)
+    bool operator==(const Key&) const = default;
   };
-  /// Groups by cores a node, then by duration and number of nodes: the first turn of each.
+  struct HashKey {
+    std::size_t operator()(const Key& key) const;
+  };
+  /// The sites of as many cores a node: the first turn by nodes.
   struct Level {
     MinTree any;
     std::array<MinTree, kBuckets> by_duration;
-    std::map<std::pair<int, int>, std::vector<Group*>> groups;  ///< by bucket and nodes
+    std::map<int, Site> sites;  ///< by nodes
   };
 
   static std::size_t index(TaskId id) { return static_cast<std::size_t>(id.value); }
   static int bucket_of(double duration);
   static double longest_in(int bucket);
+  Group& group_for(const Key& key);
   void refresh(const Group& group);
 
-  std::map<Key, Group> groups_;
+  std::unordered_map<Key, Group, HashKey> groups_;
   std::vector<Group*> group_of_;  ///< by task id
   std::size_t size_ = 0;
-  std::vector<Level> levels_;  ///< by cores a node
-  MinTree tops_;               ///< the first turn of each level
+  std::deque<Level> levels_;  ///< by cores a node
+  MinTree tops_;              ///< the first turn of each level
   std::vector<Group*> passed_, passed_for_memory_;
 };
 

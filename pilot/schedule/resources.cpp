@@ -45,9 +45,11 @@ Resources::Resources(Machine machine)
 }
 
 const Hold* Resources::held_by(TaskId id) const {
-  const auto found = holds_.find(id.value);
-  return found == holds_.end() ? nullptr : &found->second;
+  if (index(id.value) >= hold_of_.size() || hold_of_[index(id.value)] < 0) return nullptr;
+  return &holds_[index(hold_of_[index(id.value)])];
 }
+
+Hold* Resources::find(TaskId id) { return const_cast<Hold*>(held_by(id)); }
 
 std::int64_t Resources::free_memory(int node) const {
   const std::int64_t all = machine_.nodes[index(node)].memory_bytes;
@@ -78,35 +80,40 @@ void Resources::set_use(int core, Use use) {
   Use& now = use_[index(core)];
   NodeState& state = nodes_[index(node_of(core))];
   state.idle += (use == Use::idle) - (now == Use::idle);
-  state.lent += (use == Use::lent) - (now == Use::lent);
+  const int lent = (use == Use::lent) - (now == Use::lent);
+  state.lent += lent;
+  n_lent_ += lent;
   now = use;
 }
 
 /// Gives cores to a task, or back from it (nobody's id), a stretch on one node at a time.
-void Resources::set_holder(const CoreSet& cores, TaskId id, double end, Use from, Use to) {
-  for (const CoreSet::Stretch& stretch : cores.stretches()) {
+void Resources::set_holder(const CoreSet& cores, TaskId id, Use from, Use to) {
+  cores.for_each_stretch([&](const CoreSet::Stretch& stretch) {
     const int last = stretch.first + stretch.count;
     for (int core = stretch.first; core < last;) {
       const int node = node_of(core), stop = std::min(last, end_core(node));
       std::fill(holder_.begin() + core, holder_.begin() + stop, id);
-      std::fill(end_.begin() + core, end_.begin() + stop, end);
       if (n_claimed_ == 0) {
         std::fill(use_.begin() + core, use_.begin() + stop, to);
         NodeState& state = nodes_[index(node)];
         state.idle += ((to == Use::idle) - (from == Use::idle)) * (stop - core);
-        state.lent += ((to == Use::lent) - (from == Use::lent)) * (stop - core);
+        const int lent = ((to == Use::lent) - (from == Use::lent)) * (stop - core);
+        state.lent += lent;
+        n_lent_ += lent;
       } else {
         for (int k = core; k < stop; ++k) set_use(k, to == Use::idle && claimed_[index(k)] ? Use::claimed : to);
       }
       core = stop;
       reindex(node);
     }
-  }
+  });
 }
 
 void Resources::take(TaskId id, Hold hold) {
   hold.cores.for_each([&](int core) { GRANARY_ASSERT(is_free(core), core); });
-  set_holder(hold.cores, id, hold.end, Use::idle, hold.lends ? Use::lent : Use::taken);
+  set_holder(hold.cores, id, Use::idle, hold.lends ? Use::lent : Use::taken);
+  hold.cores.for_each_stretch(
+      [&](const CoreSet::Stretch& stretch) { std::fill_n(end_.begin() + stretch.first, stretch.count, hold.end); });
   n_free_ -= hold.cores.size();
   if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
     auto& shares = memory_of_[id.value];
@@ -116,16 +123,23 @@ void Resources::take(TaskId id, Hold hold) {
     });
     for (const auto& [where, bytes] : shares) nodes_[index(where)].memory_taken += bytes;
   }
-  holds_[id.value] = std::move(hold);
+  if (hold_of_.size() <= index(id.value)) hold_of_.resize(std::max(index(id.value) + 1, 2 * hold_of_.size()), -1);
+  if (free_holds_.empty()) {
+    free_holds_.push_back(static_cast<int>(holds_.size()));
+    holds_.emplace_back();
+  }
+  holds_[index(free_holds_.back())] = std::move(hold);
+  hold_of_[index(id.value)] = free_holds_.back();
+  free_holds_.pop_back();
 }
 
 void Resources::release(TaskId id, bool keep_memory) {
-  if (const auto held = holds_.find(id.value); held != holds_.end()) {
-    set_holder(held->second.cores, TaskId{}, 0.0, held->second.lends ? Use::lent : Use::taken, Use::idle);
-    n_free_ += held->second.cores.size();
-    holds_.erase(held);
+  if (const Hold* held = held_by(id)) {
+    set_holder(held->cores, TaskId{}, held->lends ? Use::lent : Use::taken, Use::idle);
+    n_free_ += held->cores.size();
+    free_holds_.push_back(std::exchange(hold_of_[index(id.value)], -1));
   }
-  if (keep_memory) return;
+  if (keep_memory || memory_of_.empty()) return;
   if (const auto memory = memory_of_.find(id.value); memory != memory_of_.end()) {
     for (const auto& [node, bytes] : memory->second) {
       nodes_[index(node)].memory_taken -= bytes;
@@ -136,10 +150,10 @@ void Resources::release(TaskId id, bool keep_memory) {
 }
 
 void Resources::set_lends(TaskId id, bool lends) {
-  const auto held = holds_.find(id.value);
-  if (held == holds_.end() || held->second.lends == lends) return;
-  held->second.lends = lends;
-  held->second.cores.for_each([&](int core) {
+  Hold* held = find(id);
+  if (held == nullptr || held->lends == lends) return;
+  held->lends = lends;
+  held->cores.for_each([&](int core) {
     const bool may = lends && !claimed_[index(core)];
     set_use(core, may ? Use::lent : Use::taken);
     reindex(node_of(core));

@@ -31,6 +31,7 @@ class Resources {
   int n_nodes() const { return static_cast<int>(first_core_.size()) - 1; }
   int n_free() const { return n_free_; }
   int n_down() const { return n_down_; }
+  int n_lent() const { return n_lent_; }  ///< cores of fillers that give way
   int node_of(int core) const { return node_of_[static_cast<std::size_t>(core)]; }
   int first_core(int node) const { return first_core_[static_cast<std::size_t>(node)]; }
   int end_core(int node) const { return first_core_[static_cast<std::size_t>(node) + 1]; }
@@ -45,8 +46,9 @@ class Resources {
   const Hold* held_by(TaskId id) const;
   /// Memory of a node that no task has asked for [bytes]; a node of unknown memory has always enough.
   std::int64_t free_memory(int node) const;
-  /// Nodes that can give more cores or memory than when this was last asked; some several times.
-  std::vector<int> take_gained() { return std::exchange(gained_, {}); }
+  /// Nodes that can give more cores or memory than at the last forget_gained(); some several times.
+  const std::vector<int>& gained() const { return gained_; }
+  void forget_gained() { gained_.clear(); }
 
   /// Gives free cores to a task, and memory the first time it gets any. A core that is not free is our own mistake.
   void take(TaskId id, Hold hold);
@@ -92,20 +94,23 @@ class Resources {
 
   void set_use(int core, Use use);
   void reindex(int node);
-  void set_holder(const CoreSet& cores, TaskId id, double end, Use from, Use to);
+  void set_holder(const CoreSet& cores, TaskId id, Use from, Use to);
+  Hold* find(TaskId id);
 
   Machine machine_;
   std::vector<int> node_of_;     ///< by core
   std::vector<int> first_core_;  ///< by node, and the end
   std::vector<TaskId> holder_;   ///< by core
   std::vector<Use> use_;         ///< by core
-  std::vector<double> end_;      ///< by core: when its holder is expected to leave it
+  std::vector<double> end_;      ///< by core: when its holder is expected to leave it; of a free one: any number
   std::vector<bool> claimed_;    ///< by core
   std::vector<NodeState> nodes_;
   NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;
-  int n_free_ = 0, n_down_ = 0, n_claimed_ = 0;
+  int n_free_ = 0, n_down_ = 0, n_claimed_ = 0, n_lent_ = 0;
   std::vector<int> gained_;
-  std::unordered_map<int, Hold> holds_;                                           ///< by task id
+  std::vector<Hold> holds_;      ///< in no order
+  std::vector<int> free_holds_;  ///< of them: nobody's
+  std::vector<int> hold_of_;     ///< by task id: its place in holds_; -1: none
   std::unordered_map<int, std::vector<std::pair<int, std::int64_t>>> memory_of_;  ///< by task id: node, bytes
 };
 

@@ -32,7 +32,8 @@ Scheduler::Scheduler(Table& table, Machine machine)
 
 void Scheduler::catch_up() {
   // Some tasks are named several times; the second time nothing is new.
-  for (const TaskId id : std::exchange(table_.changed, {})) follow(table_.at(id));
+  for (const TaskId id : table_.changed) follow(table_.at(id));
+  table_.changed.clear();
 }
 
 /// Brings the queues and the book of cores to what the table says of one task.
@@ -144,8 +145,9 @@ void Scheduler::start_claimed() {
       ready = ready && hold->lends && table_.at(resources_.holder(core)).spec.preempt == Preempt::suspend;
     });
     const std::int64_t memory = layouts_.of(task.spec).memory;
-    for (const CoreSet::Stretch& stretch : claim->second.stretches())
+    claim->second.for_each_stretch([&](const CoreSet::Stretch& stretch) {
       ready = ready && resources_.free_memory(resources_.node_of(stretch.first)) >= memory * stretch.count;
+    });
     if (!ready) {
       ++claim;
       continue;
@@ -204,7 +206,7 @@ void Scheduler::backfill() {
 
 /// Groups that lack nothing but memory are looked at again when a node could help.
 void Scheduler::restore_for_memory() {
-  const std::vector<int> gained = resources_.take_gained();
+  const std::vector<int>& gained = resources_.gained();
   if (gained.empty()) return;
   ready_.restore_memory([&](const Layout& layout) {
     return std::any_of(gained.begin(), gained.end(), [&](int node) {
@@ -212,6 +214,7 @@ void Scheduler::restore_for_memory() {
              resources_.spare_memory(node) >= layout.small * layout.memory;
     });
   });
+  resources_.forget_gained();
 }
 
 /// Tasks that end before the reservation begins may use the reserved cores until then.
@@ -284,12 +287,12 @@ CoreSet Scheduler::pick(const Parts& parts) const {
 
 /// Starts the task there, or claims the cores for it while fillers on them end.
 void Scheduler::start_on(const Task& task, const Parts& parts) {
-  const CoreSet cores = pick(parts);
+  CoreSet cores = pick(parts);
   GRANARY_ASSERT(cores.size() == task.spec.cores(), task.spec.name);
   ready_.erase(task);
   if (make_way(cores)) {
     book(task, cores);
-    decisions_.push_back(StartTask{task.id, cores});
+    decisions_.push_back(StartTask{task.id, std::move(cores)});
   } else {
     resources_.claim(cores);
     claims_.emplace(task.id, cores);
@@ -299,6 +302,7 @@ void Scheduler::start_on(const Task& task, const Parts& parts) {
 /// Makes the fillers on these cores give way. False if one of them has to end first; the others then go on until it
 /// has.
 bool Scheduler::make_way(const CoreSet& cores) {
+  if (resources_.n_lent() == 0) return true;
   std::set<TaskId> to_suspend, to_kill;
   cores.for_each([&](int core) {
     const TaskId holder = resources_.holder(core);

@@ -14,18 +14,26 @@ CoreSet::CoreSet(std::initializer_list<int> cores) {
   for (const int core : cores) add(core);
 }
 
-void CoreSet::add(int first, int count) {
-  if (!stretches_.empty() && stretches_.back().first + stretches_.back().count == first) {
-    stretches_.back().count += count;
+void CoreSet::append(Stretch stretch) {
+  if (empty()) {
+    first_ = stretch;
   } else {
-    if (stretches_.empty()) stretches_.reserve(1);
-    stretches_.push_back({first, count});
+    rest_.push_back(stretch);
+  }
+}
+
+void CoreSet::add(int first, int count) {
+  Stretch& last = rest_.empty() ? first_ : rest_.back();
+  if (!empty() && last.first + last.count == first) {
+    last.count += count;
+  } else if (count > 0) {
+    append({first, count});
   }
 }
 
 int CoreSet::size() const {
   int count = 0;
-  for (const Stretch& stretch : stretches_) count += stretch.count;
+  for_each_stretch([&](const Stretch& stretch) { count += stretch.count; });
   return count;
 }
 
@@ -38,13 +46,13 @@ std::vector<int> CoreSet::list() const {
 
 std::string CoreSet::text() const {
   std::string text;
-  for (const Stretch& stretch : stretches_) {
+  for_each_stretch([&](const Stretch& stretch) {
     if (!text.empty()) text += ',';
     text += fmt::format_int(stretch.first).c_str();
-    if (stretch.count == 1) continue;
+    if (stretch.count == 1) return;
     text += '-';
     text += fmt::format_int(stretch.first + stretch.count - 1).c_str();
-  }
+  });
   return text;
 }
 
@@ -64,7 +72,7 @@ Result<CoreSet> CoreSet::parse(std::string_view text) {
     if (!good || (read.ptr != end && *read.ptr != ',')) {
       return Error{fmt::format("\"{}\" is no list of cores such as \"0-3,8\"", text)};
     }
-    cores.stretches_.push_back(stretch);
+    cores.append(stretch);
     at = read.ptr == end ? end : read.ptr + 1;
   }
   return cores;

@@ -27,23 +27,30 @@ class CoreSet {
   void add(int core) { add(core, 1); }
   /// `count` cores from `first` on.
   void add(int first, int count);
-  bool empty() const { return stretches_.empty(); }
+  bool empty() const { return first_.count == 0; }
   int size() const;
-  int front() const { return stretches_.front().first; }
-  const std::vector<Stretch>& stretches() const { return stretches_; }
+  int front() const { return first_.first; }
   std::vector<int> list() const;
   std::string text() const;
   bool operator==(const CoreSet&) const = default;
 
   template <class Fn>
+  void for_each_stretch(Fn&& fn) const {
+    if (!empty()) fn(first_);
+    for (const Stretch& stretch : rest_) fn(stretch);
+  }
+  template <class Fn>
   void for_each(Fn&& fn) const {
-    for (const Stretch& stretch : stretches_) {
+    for_each_stretch([&](const Stretch& stretch) {
       for (int core = stretch.first; core < stretch.first + stretch.count; ++core) fn(core);
-    }
+    });
   }
 
  private:
-  std::vector<Stretch> stretches_;
+  void append(Stretch stretch);
+
+  Stretch first_;              ///< most sets have no more
+  std::vector<Stretch> rest_;  ///< in the order of adding
 };
 
 }  // namespace granary::pilot

@@ -37,7 +37,8 @@ struct Payload {
   void operator()(const Lost& e) const { of(e.attempt).set("reason", e.reason); }
   void operator()(const Abandoned& e) const { of(e.attempt).set("reason", e.reason); }
   void operator()(const Restored& e) const {
-    for (const auto& [key, value] : past_to_json(e.task).members()) out.set(key, value);
+    const json::Value past = past_to_json(e.task);
+    for (const auto& [key, value] : past.members()) out.set(key, value);
   }
   void operator()(const Reopened& e) const { of(e.id); }
 };

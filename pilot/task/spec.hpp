@@ -2,6 +2,7 @@
 // Reading it from a workflow is task/spec_json; what happens to it is task/table and task/update.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -37,6 +38,8 @@ struct StopRule {
   bool operator==(const StopRule&) const = default;
 };
 
+using ExitCodes = std::bitset<256>;
+
 struct TaskSpec {
   std::string name;                  ///< letters, digits, '.', '_', '-'; no two tasks of a campaign share it
   std::vector<std::string> command;  ///< argv, never a shell line; command[0] is looked up in PATH unless it has a '/'
@@ -53,11 +56,11 @@ struct TaskSpec {
   int priority = 0;                    ///< larger goes first; equal ones in order of submission
   bool fill = false;                   ///< runs only on idle cores, gives way at once
   Preempt preempt = Preempt::suspend;  ///< fillers only
-  double timeout = 0.0;         ///< [s] running time of one attempt after which it is stopped and has failed; 0: none
-  double expected = 0.0;        ///< [s] running time it will hardly exceed, for planning; 0: its timeout, else unknown
-  bool resumable = false;       ///< stopped by its signal, a next attempt goes on where it was: may meet the deadline
-  std::vector<int> success{0};  ///< exit codes of an attempt that has done its work: a monitor's verdicts are such
-  int retries = 0;              ///< further attempts after a failed one
+  double timeout = 0.0;    ///< [s] running time of one attempt after which it is stopped and has failed; 0: none
+  double expected = 0.0;   ///< [s] running time it will hardly exceed, for planning; 0: its timeout, else unknown
+  bool resumable = false;  ///< stopped by its signal, a next attempt goes on where it was: may meet the deadline
+  ExitCodes success{1};    ///< exit codes of an attempt that has done its work: a monitor's verdicts are such
+  int retries = 0;         ///< further attempts after a failed one
   StopRule stop;
   std::vector<std::filesystem::path>
       produces;                       ///< must exist after exit code 0, else the task has failed; relative to dir

@@ -99,13 +99,13 @@ void read_stop(json::Reader& task, TaskSpec& spec) {
 void read_success(json::Reader& task, TaskSpec& spec) {
   const json::Value* codes = task.raw("success");
   if (codes == nullptr) return;
-  spec.success.clear();
+  spec.success.reset();
   bool good = codes->is_array() && !codes->items().empty();
   for (std::size_t k = 0; good && k < codes->items().size(); ++k) {
     const json::Value& code = codes->items()[k];
     good = code.is_number() && code.as_number() >= 0.0 && code.as_number() <= 255.0 &&
            code.as_number() == std::floor(code.as_number());
-    if (good) spec.success.push_back(static_cast<int>(code.as_number()));
+    if (good) spec.success.set(static_cast<std::size_t>(code.as_number()));
   }
   if (!good) task.problem("success", "must be a list of exit codes from 0 to 255.", "Write [0, 1].");
 }
@@ -202,6 +202,14 @@ bool flag(const json::Value& value, std::string_view key) {
 
 namespace {
 
+json::Value codes_in(const ExitCodes& codes) {
+  json::Value list = json::Value::array();
+  for (std::size_t code = 0; code < codes.size(); ++code) {
+    if (codes[code]) list.push(code);
+  }
+  return list;
+}
+
 /// What of a task is not the default, into an object as Value or as text.
 template <class Object>
 void write(const TaskSpec& spec, Object& out) {
@@ -227,7 +235,7 @@ void write(const TaskSpec& spec, Object& out) {
   if (spec.timeout > 0.0) out.set("timeout_s", spec.timeout);
   if (spec.expected > 0.0) out.set("expected_s", spec.expected);
   if (spec.resumable) out.set("resumable", true);
-  if (spec.success != standard.success) out.set("success", json::Array(spec.success.begin(), spec.success.end()));
+  if (spec.success != standard.success) out.set("success", codes_in(spec.success));
   if (spec.retries != 0) out.set("retries", spec.retries);
   if (spec.stop.signal) out.set("stop_signal", *spec.stop.signal);
   if (spec.stop.grace != standard.stop.grace) out.set("grace_s", spec.stop.grace);
@@ -272,8 +280,11 @@ TaskSpec spec_from_json(const json::Value& value) {
   spec.expected = value.number_or("expected_s", spec.expected);
   spec.resumable = flag(value, "resumable");
   if (const json::Value* codes = value.find("success"); codes != nullptr && codes->is_array()) {
-    spec.success.clear();
-    for (const json::Value& code : codes->items()) spec.success.push_back(static_cast<int>(code.as_number()));
+    spec.success.reset();
+    for (const json::Value& code : codes->items()) {
+      if (code.is_integer() && code.as_integer() >= 0 && code.as_integer() < 256)
+        spec.success.set(static_cast<std::size_t>(code.as_integer()));
+    }
   }
   spec.retries = static_cast<int>(value.integer_or("retries", spec.retries));
   if (value.find("stop_signal") != nullptr)

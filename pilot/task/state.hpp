@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "pilot/task/core_set.hpp"
 #include "pilot/task/spec.hpp"
 
 namespace granary::pilot {
@@ -30,7 +30,7 @@ struct TaskEnd {
   int attempt = 0;                        ///< number of the last attempt, from 1; 0: never started
   double start = 0.0;                     ///< of the last attempt [s]
   double end = 0.0;                       ///< [s]
-  std::vector<int> cores;                 ///< core indices of the machine that it ran on
+  CoreSet cores;                          ///< core indices of the machine that it ran on
   double cpu_s = 0.0;                     ///< CPU time of the task's processes [s]
   std::filesystem::path dir;              ///< absolute working folder
   std::string reason;                     ///< in words, why it failed or was stopped; empty if finished

@@ -1,7 +1,8 @@
 // All tasks of a campaign, their attempts and their dependencies. Only task/update changes it.
 #pragma once
 
-#include <map>
+#include <boost/container/small_vector.hpp>
+#include <deque>
 #include <optional>
 #include <set>
 #include <string>
@@ -24,7 +25,7 @@ struct Piece {
 
 struct Attempt {
   int number = 0;  ///< from 1
-  std::vector<Piece> pieces;
+  boost::container::small_vector<Piece, 1> pieces;
   TaskState outcome = TaskState::running;  ///< running (or suspended) until it has ended
   double start = 0.0, end = 0.0;           ///< [s]; `end` once it has ended
   int exit_code = -1, signal = 0;
@@ -46,7 +47,7 @@ struct Task {
   TaskState state = TaskState::waiting;
   int unmet = 0;  ///< dependencies that have not finished
   std::vector<TaskId> dependents;
-  std::vector<Attempt> attempts;
+  boost::container::small_vector<Attempt, 1> attempts;
   int failures = 0;  ///< attempts that failed by themselves or by timeout
   Ending ending = Ending::none;
   std::string reason;      ///< why it is being stopped; of an ended task: why it failed or was stopped
@@ -67,7 +68,7 @@ struct Turn {
 };
 
 struct Table {
-  std::vector<Task> tasks;  ///< by id
+  std::deque<Task> tasks;  ///< by id; they stay where they are
   std::unordered_map<std::string, TaskId> by_name;
   // Indices of `tasks` by state, so that nothing walks through all of them.
   NumberSet running_ids;

@@ -14,57 +14,38 @@ class Step {
  public:
   Step(Table& table, double time, std::vector<Action>& actions) : table_(table), time_(time), actions_(actions) {}
 
-  void operator()(const Submitted& event) {
-    if (table_.find(event.spec.name) != nullptr) return;
+  void operator()(Submitted&& event) {
     Task task;
-    task.id = TaskId{static_cast<int>(table_.tasks.size())};
-    task.spec = event.spec;
-    GRANARY_ASSERT(event.id == task.id);
-    const Task* hopeless = nullptr;
-    for (const std::string& name : event.spec.after) {
-      const Task* before = table_.find(name);
-      GRANARY_ASSERT(before != nullptr, name);
-      if (before->state != TaskState::finished) ++task.unmet;
-      if (hopeless == nullptr && never_finishes(*before)) hopeless = before;
-      table_.at(before->id).dependents.push_back(task.id);
-    }
-    const TaskId id = task.id;
-    const std::string reason = hopeless != nullptr ? blocked_reason(*hopeless) : "";
-    const TaskState fate = hopeless != nullptr ? hopeless->state : TaskState::ready;
-    table_.by_name.emplace(task.spec.name, id);
-    table_.tasks.push_back(std::move(task));
+    task.id = event.id;
+    task.spec = std::move(event.spec);
+    if (!add(std::move(task))) return;
     ++table_.n_waiting;
-    if (!reason.empty()) {
-      end(table_.at(id), fate, reason);
-    } else if (table_.at(id).unmet == 0) {
-      enter(table_.at(id), TaskState::ready);
+    Task& added = table_.at(event.id);
+    const auto fails = [this](const std::string& name) { return never_finishes(*table_.find(name)); };
+    const auto hopeless = std::find_if(added.spec.after.begin(), added.spec.after.end(), fails);
+    if (hopeless != added.spec.after.end()) {
+      const Task& before = *table_.find(*hopeless);
+      end(added, before.state, blocked_reason(before));
+    } else if (added.unmet == 0) {
+      enter(added, TaskState::ready);
     }
   }
 
-  void operator()(const Restored& event) {
-    if (table_.find(event.task.spec.name) != nullptr) return;
-    Task task = event.task;
-    GRANARY_ASSERT(task.id.value == static_cast<int>(table_.tasks.size()));
-    for (const std::string& name : task.spec.after) {
-      const Task* before = table_.find(name);
-      GRANARY_ASSERT(before != nullptr, name);
-      if (before->state != TaskState::finished) ++task.unmet;
-      table_.at(before->id).dependents.push_back(task.id);
-    }
-    table_.n_waiting += task.state == TaskState::waiting;
-    table_.n_ready += task.state == TaskState::ready;
-    table_.changed.push_back(task.id);
-    table_.by_name.emplace(task.spec.name, task.id);
-    table_.tasks.push_back(std::move(task));
+  void operator()(Restored&& event) {
+    const TaskId id = event.task.id;
+    if (!add(std::move(event.task))) return;
+    table_.n_waiting += table_.at(id).state == TaskState::waiting;
+    table_.n_ready += table_.at(id).state == TaskState::ready;
+    table_.changed.push_back(id);
   }
 
-  void operator()(const Placed& event) {
+  void operator()(Placed&& event) {
     Task& task = table_.at(event.attempt.task);
     if (task.state != TaskState::ready || event.attempt.number != task.attempt_id().number + 1) return;
     Attempt attempt;
     attempt.number = event.attempt.number;
     attempt.start = time_;
-    attempt.pieces.push_back({time_, -1.0, event.cores});
+    attempt.pieces.push_back({time_, -1.0, std::move(event.cores)});
     task.attempts.push_back(std::move(attempt));
     enter(task, TaskState::running);
     if (task.spec.timeout > 0.0) actions_.push_back(SetAlarm{event.attempt, Alarm::timeout, task.spec.timeout});
@@ -205,6 +186,20 @@ class Step {
   }
 
  private:
+  /// Behind all others, with its dependencies counted. False: one of its name is there.
+  bool add(Task task) {
+    if (!table_.by_name.try_emplace(task.spec.name, task.id).second) return false;
+    GRANARY_ASSERT(task.id.value == static_cast<int>(table_.tasks.size()));
+    for (const std::string& name : task.spec.after) {
+      const Task* before = table_.find(name);
+      GRANARY_ASSERT(before != nullptr, name);
+      if (before->state != TaskState::finished) ++task.unmet;
+      table_.at(before->id).dependents.push_back(task.id);
+    }
+    table_.tasks.push_back(std::move(task));
+    return true;
+  }
+
   /// The task, if this attempt is the one that runs or is suspended.
   Task* active(AttemptId attempt) {
     if (!table_.has(attempt.task)) return nullptr;
@@ -327,7 +322,7 @@ class Step {
 
   static std::string fault_of(const TaskSpec& spec, const Exited& event) {
     if (event.signal != 0) return fmt::format("ended by signal {} ({})", event.signal, strsignal(event.signal));
-    if (std::find(spec.success.begin(), spec.success.end(), event.exit_code) == spec.success.end())
+    if (event.exit_code < 0 || event.exit_code > 255 || !spec.success[static_cast<std::size_t>(event.exit_code)])
       return fmt::format("exit code {}", event.exit_code);
     if (event.missing.empty()) return "";
     std::string names;
@@ -342,9 +337,9 @@ class Step {
 
 }  // namespace
 
-void update(Table& table, const Event& event, std::vector<Action>& actions) {
+void update(Table& table, Event event, std::vector<Action>& actions) {
   Step step(table, event.time, actions);
-  std::visit(step, event.what);
+  std::visit(step, std::move(event.what));
 }
 
 std::vector<Action> update(Table& table, const Event& event) {

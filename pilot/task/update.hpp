@@ -48,6 +48,6 @@ using Action = std::variant<Spawn, AskToEnd, Kill, Pause, Continue, SetAlarm, Cl
 /// the table.
 std::vector<Action> update(Table& table, const Event& event);
 /// Likewise; what follows is appended to `actions`.
-void update(Table& table, const Event& event, std::vector<Action>& actions);
+void update(Table& table, Event event, std::vector<Action>& actions);
 
 }  // namespace granary::pilot

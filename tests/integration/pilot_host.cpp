@@ -48,7 +48,7 @@ class DyingLauncher final : public Launcher {
   void signal(AttemptId attempt, int signal_number) override { real_.signal(attempt, signal_number); }
   void kill(AttemptId attempt) override { real_.kill(attempt); }
   void suspend(AttemptId attempt) override { real_.suspend(attempt); }
-  void resume(AttemptId attempt, const std::vector<int>& cores) override { real_.resume(attempt, cores); }
+  void resume(AttemptId attempt, const CoreSet& cores) override { real_.resume(attempt, cores); }
   Status set_aside(const Launch& earlier, bool own_folder) override { return real_.set_aside(earlier, own_folder); }
   bool end_orphan(const ProcessKey& key, const std::string& mark) override { return real_.end_orphan(key, mark); }
 

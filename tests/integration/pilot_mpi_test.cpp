@@ -85,8 +85,8 @@ TEST_F(PilotMpi, KeepsTwoMpirunsAtOnceOffEachOthersCores) {
   ASSERT_EQ(summary->finished, 2) << output("left") << output("right");
   const TaskEnd &left = summary->ends[0], &right = summary->ends[1];
   EXPECT_LT(std::max(left.start, right.start), std::min(left.end, right.end)) << "they ran at the same time";
-  EXPECT_THAT(cpus("left"), UnorderedElementsAre(cpu(left.cores[0])));
-  EXPECT_THAT(cpus("right"), UnorderedElementsAre(cpu(right.cores[0])));
+  EXPECT_THAT(cpus("left"), UnorderedElementsAre(cpu(left.cores.front())));
+  EXPECT_THAT(cpus("right"), UnorderedElementsAre(cpu(right.cores.front())));
   EXPECT_NE(left.cores, right.cores);
 }
 

@@ -121,7 +121,7 @@ TEST_F(PilotProcesses, PinsEachTaskToItsCoresAndTellsItItsThreads) {
   run(tasks);
 
   for (const TaskSpec& spec : tasks) {
-    const int cpu = machine.cpu_of(end_of(spec.name).cores.at(0));
+    const int cpu = machine.cpu_of(end_of(spec.name).cores.front());
     EXPECT_EQ(output(spec.name + ".out"), "Cpus_allowed_list:\t" + std::to_string(cpu) + "\n1\n");
   }
 }

@@ -358,7 +358,7 @@ TEST(Pilot, QueuesWhatRanOnALostNodeAgainElsewhere) {
   EXPECT_EQ(site.pilot.end(other)->attempt, 1);
   EXPECT_EQ(site.pilot.end(victim)->attempt, 2);
   EXPECT_EQ(site.pilot.end(victim)->state, TaskState::finished);
-  EXPECT_THAT(site.pilot.end(victim)->cores, ElementsAre(2, 3)) << "the lost node's cores are out";
+  EXPECT_THAT(site.pilot.end(victim)->cores.list(), ElementsAre(2, 3)) << "the lost node's cores are out";
   EXPECT_DOUBLE_EQ(site.pilot.end(victim)->start, 10.0) << "no earlier: the other node was busy";
   EXPECT_THAT(*site.pilot.explain(site.pilot.spec(victim).name), HasSubstr("node node1 was lost: no heartbeat"));
 }
