@@ -99,7 +99,7 @@ Result<Pair> time_ranks(Effort effort, const pilot::Machine& machine) {
     launch.spec.command = row_command(1, seconds);
     launch.spec.ranks = ranks;
     launch.spec.mpi = true;
-    for (int core = 0; core < ranks; ++core) launch.cores.push_back(core);
+    launch.cores.add(0, ranks);
     GRANARY_CHECK(write_text_atomically(rank_file, pilot::rank_file_text(launch, machine)));
     GRANARY_TRY(Value timed, run_json(pilot::mpirun_argv(launch, env, rank_file, geteuid() == 0), timeout_of(effort)));
     if (timed.integer_or("ranks", 0) != ranks)
