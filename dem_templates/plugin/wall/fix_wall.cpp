@@ -250,11 +250,11 @@ void FixWall::wear_off(std::size_t b, const SurfaceTouch& touch, const WallAppro
                        bool impact) {
   Wear& wear = wear_[b];
   if (wear.by_sliding.empty()) return;  // no mesh
-  wear.by_sliding[touch.part] +=
-      archard_volume(wear_settings_.archard, pushed.normal_force, norm(pushed.slip) * update->dt);
+  const std::size_t part = bodies_[b].surface->part_at(touch);
+  wear.by_sliding[part] += archard_volume(wear_settings_.archard, pushed.normal_force, norm(pushed.slip) * update->dt);
   if (impact)
-    wear.by_impacts[touch.part] += finnie_volume(wear_settings_.finnie, approach.mass, norm(approach.velocity),
-                                                 -dot(approach.velocity, approach.normal));
+    wear.by_impacts[part] += finnie_volume(wear_settings_.finnie, approach.mass, norm(approach.velocity),
+                                           -dot(approach.velocity, approach.normal));
 }
 
 Wear FixWall::wear_of_all_ranks(std::size_t b) const {

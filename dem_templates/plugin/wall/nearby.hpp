@@ -6,7 +6,7 @@
 
 namespace granary::dem {
 
-/// A triangle and how far it is from some place, at least.
+/// A face and how far it is from some place, at least.
 struct NearPart {
   std::uint32_t number;
   float distance;  ///< [m]

@@ -14,7 +14,7 @@ struct SurfaceTouch {
   double distance = 0.0;   ///< from the sphere's centre to the surface, below its radius [m]
   Vector3 point{};         ///< of the surface, the nearest
   Vector3 normal{};        ///< unit vector from there to the centre
-  std::uint32_t part = 0;  ///< number of the triangle
+  std::uint32_t face = 0;  ///< number of the face it lies in
 };
 
 class Surface {
@@ -30,6 +30,8 @@ class Surface {
   virtual double farthest_from(const Vector3& /*origin*/, const Vector3& /*unit_axis*/) const { return 0.0; }
   /// Number of triangles; 0 if it is no mesh.
   virtual std::size_t n_parts() const { return 0; }
+  /// Number of the triangle that is touched.
+  virtual std::size_t part_at(const SurfaceTouch& /*touch*/) const { return 0; }
   /// What it is made of; nothing if it is no mesh.
   virtual std::vector<Triangle> triangles() const { return {}; }
 };

@@ -69,7 +69,7 @@ TEST(MeshSurface, FindsTheNearestPointOfEverySphereThatTouchesAndKeepsClearAsFar
           ASSERT_FALSE(found.empty());
           ASSERT_NEAR(found[0].distance, truth, 1e-12);
           ASSERT_NEAR(norm(place - found[0].point), truth, 1e-12);
-          ASSERT_NEAR(norm(found[0].point - nearest_point(mesh[found[0].part], place)), 0.0, 1e-12);
+          ASSERT_NEAR(norm(found[0].point - nearest_point(mesh[surface.part_at(found[0])], place)), 0.0, 1e-12);
         }
       }
     }
@@ -92,7 +92,7 @@ TEST(MeshSurface, SaysTheSameWhateverItRemembers) {
     surface.touches(place, 0.004, nothing, without);
     ASSERT_EQ(with.size(), without.size()) << k;
     for (std::size_t n = 0; n < with.size(); ++n) {
-      ASSERT_EQ(with[n].part, without[n].part);
+      ASSERT_EQ(with[n].face, without[n].face);
       ASSERT_EQ(with[n].distance, without[n].distance);
     }
   }

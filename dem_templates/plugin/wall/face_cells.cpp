@@ -1,4 +1,4 @@
-#include "dem_templates/plugin/wall/triangle_cells.hpp"
+#include "dem_templates/plugin/wall/face_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@ constexpr double kRoundDown = 1.0 - 1e-6;
 
 }  // namespace
 
-TriangleCells::TriangleCells(std::span<const Triangle> triangles, double reach) : margin_(reach) {
-  low_ = high_ = triangles[0][0];
-  for (const Triangle& triangle : triangles) {
-    for (const Vector3& corner : triangle) {
+FaceCells::FaceCells(std::span<const Face> faces, double reach) : margin_(reach) {
+  low_ = high_ = faces[0].corner[0];
+  for (const Face& face : faces) {
+    for (const Vector3& corner : face.corner) {
       for (std::size_t d = 0; d < 3; ++d) {
         low_[d] = std::min(low_[d], corner[d] - reach);
         high_[d] = std::max(high_[d], corner[d] + reach);
@@ -26,20 +26,21 @@ TriangleCells::TriangleCells(std::span<const Triangle> triangles, double reach) 
   const Vector3 size = high_ - low_;
   cell_size_ = std::max(0.5 * reach, std::cbrt(size[0] * size[1] * size[2] / kMostCells));
   for (std::size_t d = 0; d < 3; ++d) n_cells_[d] = static_cast<long>(size[d] / cell_size_) + 1;
-  list(triangles, reach);
+  list(faces, reach);
   measure_empty_cells();
 }
 
-Vector3 TriangleCells::middle(long i, long j, long k) const {
+Vector3 FaceCells::middle(long i, long j, long k) const {
   return low_ +
          cell_size_ * Vector3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5, static_cast<double>(k) + 0.5};
 }
 
 template <class WithCell>
-void TriangleCells::for_cells_near(const Triangle& triangle, double widened, WithCell&& with_cell) const {
+void FaceCells::for_cells_near(const Face& face, double widened, WithCell&& with_cell) const {
   std::array<long, 3> first{}, last{};
   for (std::size_t d = 0; d < 3; ++d) {
-    const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+    const auto [least, most] =
+        std::minmax({face.corner[0][d], face.corner[1][d], face.corner[2][d], face.corner[3][d]});
     first[d] = std::max(0L, static_cast<long>((least - widened - low_[d]) / cell_size_));
     last[d] = std::min(n_cells_[d] - 1, static_cast<long>((most + widened - low_[d]) / cell_size_));
   }
@@ -48,21 +49,21 @@ void TriangleCells::for_cells_near(const Triangle& triangle, double widened, Wit
       for (long k = first[2]; k <= last[2]; ++k) with_cell(index(i, j, k), middle(i, j, k));
 }
 
-// A triangle goes into each cell that has a point nearer to it than the reach.
-void TriangleCells::list(std::span<const Triangle> triangles, double reach) {
+// A face goes into each cell that has a point nearer to it than the reach.
+void FaceCells::list(std::span<const Face> faces, double reach) {
   const double half_diagonal = 0.5 * std::sqrt(3.0) * cell_size_, listed = half_diagonal + reach;
   struct Pair {
     std::size_t cell;
     NearPart entry;
   };
   std::vector<Pair> pairs;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Triangle& triangle = triangles[t];
-    const Vector3 area = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  for (std::size_t t = 0; t < faces.size(); ++t) {
+    const Face& face = faces[t];
+    const Vector3 area = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
     const Vector3 normal = (1.0 / norm(area)) * area;
-    for_cells_near(triangle, listed, [&](std::size_t cell, const Vector3& at) {
-      if (std::abs(dot(at - triangle[0], normal)) > listed) return;  // most cells of a slanted triangle's box
-      const double distance = norm(at - nearest_point(triangle, at));
+    for_cells_near(face, listed, [&](std::size_t cell, const Vector3& at) {
+      if (std::abs(dot(at - face.corner[0], normal)) > listed) return;  // most cells of a slanted face's box
+      const double distance = norm(at - nearest_point(face, at));
       if (distance > listed) return;
       pairs.push_back({cell, {static_cast<std::uint32_t>(t), static_cast<float>(kRoundDown * distance)}});
     });
@@ -83,7 +84,7 @@ void TriangleCells::list(std::span<const Triangle> triangles, double reach) {
 // How far an empty cell is from the surface: so many cells, along the axis on which it is most, from the nearest cell
 // that the surface may run through. In two sweeps over the grid, as chamfer distances are found (G. Borgefors,
 // Distance transformations in digital images, 1986).
-void TriangleCells::measure_empty_cells() {
+void FaceCells::measure_empty_cells() {
   const auto far = static_cast<std::uint16_t>(std::min(65000L, n_cells_[0] + n_cells_[1] + n_cells_[2]));
   std::vector<std::uint16_t> steps(cells_.size() - 1, far);
   const double half_diagonal = 0.5 * std::sqrt(3.0) * cell_size_;
@@ -120,7 +121,7 @@ void TriangleCells::measure_empty_cells() {
     cells_[c].clear = std::max(cells_[c].clear, static_cast<float>((steps[c] - 0.5) * cell_size_ * kRoundDown));
 }
 
-TriangleCells::Near TriangleCells::near(const Vector3& point) const {
+FaceCells::Near FaceCells::near(const Vector3& point) const {
   std::array<long, 3> cell{};
   for (std::size_t d = 0; d < 3; ++d) {
     if (!(point[d] > low_[d] && point[d] < high_[d])) {
