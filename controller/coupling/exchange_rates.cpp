@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "controller/coupling/exchange.hpp"
+#include "controller/monitor/series_error.hpp"
 
 namespace granary::coupling {
 
@@ -154,10 +155,12 @@ DemSummary summarize(const std::vector<const TallyWindow*>& windows, const Count
   summary.impact_frequency = summary.impacts / particle_time;
   for (std::size_t p = 0; p < n; ++p) {
     double weight = 0.0, mean = 0.0, square_mean = 0.0;
+    std::vector<double> means;
     for (const TallyWindow* window : windows) {
       const double particles = window->particles_by_class()[p];
       if (!(particles > 0.0) || !std::isfinite(window->speed_mean[p]) || !std::isfinite(window->speed_rms[p])) continue;
       weight += particles;
+      means.push_back(window->speed_mean[p]);
       mean += particles * window->speed_mean[p];
       square_mean += particles * window->speed_rms[p] * window->speed_rms[p];
     }
@@ -165,8 +168,9 @@ DemSummary summarize(const std::vector<const TallyWindow*>& windows, const Count
     const bool thin = particles < kLeastParticles || !(weight > 0.0);
     mean = thin ? std::nan("") : mean / weight;
     summary.mean_speed.push_back(mean);
-    summary.mean_speed_error.push_back(thin ? 0.0
-                                            : std::sqrt(std::max(square_mean / weight - mean * mean, 0.0) / particles));
+    // Particles that move in flocks are fewer than they look: the scatter of the windows tells.
+    const double by_counting = thin ? 0.0 : std::sqrt(std::max(square_mean / weight - mean * mean, 0.0) / particles);
+    summary.mean_speed_error.push_back(thin ? 0.0 : std::max(by_counting, monitor::error_of_mean(means)));
   }
   return summary;
 }

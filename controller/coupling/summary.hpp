@@ -19,7 +19,8 @@ struct DemSummary {
   double collisions = 0.0, impacts = 0.0;   ///< how many were counted: their counting error is 1/sqrt
   std::vector<double> class_diameter;       ///< real [m], shape (n_classes)
   std::vector<double> mean_speed;           ///< [m/s], shape (n_classes); NaN where the class is too thin to say
-  std::vector<double> mean_speed_error;     ///< standard error [m/s], shape (n_classes)
+  std::vector<double> mean_speed_error;     ///< standard error [m/s], the larger of that by counting and that by the
+                                            ///< scatter of the windows; shape (n_classes)
 
   bool operator==(const DemSummary&) const;  ///< NaN equals NaN
 };

@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/assert.hpp"
+#include "controller/monitor/series_error.hpp"
 #include "controller/monitor/tallies.hpp"
 
 namespace granary::monitor {
 
 namespace {
 constexpr std::size_t kBatches = 10;
-constexpr double kMostCorrelation = 0.95;
 
 std::string place(const Property& property) {
   return property.where.empty() || property.where == "all" ? property.name : property.name + " in " + property.where;
@@ -157,17 +158,9 @@ Verdict Criteria::converged() const {
   for (std::size_t p = 0; p < properties_.size(); ++p) {
     const Mean all = mean(p, first, batch * kBatches);
     if (!all.known() || all.denominator() <= 0.0) continue;
-    double scatter = 0.0, correlation = 0.0, last = 0.0;
-    for (std::size_t b = 0; b < kBatches; ++b) {
-      const double deviation = mean(p, first + b * batch, batch).value - all.value;
-      scatter += deviation * deviation;
-      correlation += deviation * last;
-      last = deviation;
-    }
-    // Batches that follow each other closely are not ten independent values: a trend is not known better for its
-    // length.
-    const double rho = scatter > 0.0 ? std::clamp(correlation / scatter, 0.0, kMostCorrelation) : 0.0;
-    scatter = std::sqrt(scatter / (kBatches * (kBatches - 1)) * (1.0 + rho) / (1.0 - rho));
+    std::array<double, kBatches> batches;
+    for (std::size_t b = 0; b < kBatches; ++b) batches[b] = mean(p, first + b * batch, batch).value;
+    const double scatter = error_of_mean(batches);
     // Counting is the least error a count can have; for a mean over the same particles the scatter in time is what
     // matters.
     const double error = std::max(scatter, properties_[p].independent ? all.error : 0.0) / all.denominator();

@@ -248,6 +248,37 @@ TEST(CoarseGraining, ScalesByTheSquareAtEqualSpeed) {
   EXPECT_NEAR(dem.f, equal_speed.summary.collision_frequency / orthokinetic.summary.collision_frequency, 1e-9);
 }
 
+// Bursts of the same bed, whose mean speed wanders as flocks of particles do: two of them differ by what they say.
+TEST(Rates, KnowAMeanSpeedAsWellAsTheWindowsScatterAllows) {
+  SyntheticDem dem;
+  dem.windows = 12;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, 0.2);
+  double by_error = 0.0, by_counting = 0.0;
+  constexpr int kPairs = 100;
+  const auto burst = [&](unsigned seed) {
+    monitor::Tallies tallies = dem.run(seed);
+    double off = normal(random);
+    for (auto& window : tallies.windows) {
+      window.speed_mean[1] = 2.0 + off;
+      off = 0.6 * off + 0.8 * normal(random);
+    }
+    return measure_rates(tallies, dem.bed_volume, no_grace(dem)).value_or(MeasuredRates{}).summary;
+  };
+  const double counting = std::sqrt((2.5 * 2.5 - 2.0 * 2.0) / (3.0 * dem.particles[1]));  // of one burst
+  for (unsigned k = 0; k < kPairs; ++k) {
+    const DemSummary a = burst(2 * k), b = burst(2 * k + 1);
+    ASSERT_EQ(a.mean_speed.size(), 4u);
+    EXPECT_NEAR(a.mean_speed_error[0], std::sqrt((2.5 * 2.5 - 2.0 * 2.0) / (3.0 * dem.particles[0])), 1e-9);
+    const double change = a.mean_speed[1] - b.mean_speed[1];
+    by_error += std::pow(change / std::hypot(a.mean_speed_error[1], b.mean_speed_error[1]), 2) / kPairs;
+    by_counting += 0.5 * std::pow(change / counting, 2) / kPairs;
+  }
+  EXPECT_GT(by_counting, 2.5);
+  EXPECT_GT(by_error, 0.4);
+  EXPECT_LT(by_error, 1.5);
+}
+
 TEST(Rates, LeaveOutTheGraceTime) {
   SyntheticDem dem;
   monitor::Tallies tallies = dem.run(11);
