@@ -1,28 +1,50 @@
 #include "pilot/journal/line.hpp"
 
+#include <zlib.h>
+
 #include <charconv>
 #include <cmath>
 
 namespace granary::pilot {
 namespace {
 
-// A line is BODY,"sum":"0123456789abcdef"} where BODY is the object without its closing brace.
+// A line is BODY,"sum":"01234567"} where BODY is the object without its closing brace.
 constexpr std::string_view kSumOpens = ",\"sum\":\"", kSumCloses = "\"}";
-constexpr std::size_t kSumDigits = 16;
-constexpr std::size_t kSumLength = kSumOpens.size() + kSumDigits + kSumCloses.size();
+constexpr std::size_t kDigits = 8, kDigitsBefore = 16;
 constexpr std::string_view kSequence = "{\"n\":", kWallTime = ",\"wall_s\":", kKind = ",\"kind\":\"",
                            kPayload = "\",\"payload\":";
 
-/// FNV-1a, 64 bits.
 std::uint64_t sum_of(std::string_view bytes) {
+  return crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+}
+
+/// FNV-1a, 64 bits, of lines written before the CRC was: their campaigns go on.
+std::uint64_t sum_before(std::string_view bytes) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
   return hash;
 }
 
-void append_hex(std::string& text, std::uint64_t number) {
+struct Parts {
+  std::string_view body, sum;
+};
+
+/// A line taken apart; nothing if it has no sum.
+std::optional<Parts> parts_of(std::string_view line) {
+  if (!line.ends_with(kSumCloses)) return std::nullopt;
+  line.remove_suffix(kSumCloses.size());
+  for (const std::size_t digits : {kDigits, kDigitsBefore}) {
+    if (line.size() <= digits) break;
+    const std::string_view opened = line.substr(0, line.size() - digits);
+    if (opened.ends_with(kSumOpens) && opened.size() > kSumOpens.size())
+      return Parts{opened.substr(0, opened.size() - kSumOpens.size()), line.substr(opened.size())};
+  }
+  return std::nullopt;
+}
+
+void append_hex(std::string& text, std::uint64_t number, std::size_t digits) {
   constexpr char kHex[] = "0123456789abcdef";
-  for (int shift = 60; shift >= 0; shift -= 4) text += kHex[number >> static_cast<unsigned>(shift) & 15U];
+  while (digits-- > 0) text += kHex[number >> (4 * digits) & 15U];
 }
 
 void append_number(std::string& text, std::uint64_t number) {
@@ -69,23 +91,24 @@ void append_line(std::string& text, const Line& line) {
   text += line.payload;
   const std::uint64_t sum = sum_of(std::string_view(text).substr(begin));
   text += kSumOpens;
-  append_hex(text, sum);
+  append_hex(text, sum, kDigits);
   text += kSumCloses;
   text += '\n';
 }
 
 bool has_good_sum(std::string_view line) {
-  if (line.size() <= kSumLength) return false;
-  const std::string_view body = line.substr(0, line.size() - kSumLength), sum = line.substr(body.size());
-  if (!sum.starts_with(kSumOpens) || !sum.ends_with(kSumCloses)) return false;
+  const auto parts = parts_of(line);
+  if (!parts) return false;
+  const bool before = parts->sum.size() == kDigitsBefore;
   std::string wanted;
-  append_hex(wanted, sum_of(body));
-  return sum.substr(kSumOpens.size(), kSumDigits) == wanted;
+  append_hex(wanted, before ? sum_before(parts->body) : sum_of(parts->body), parts->sum.size());
+  return parts->sum == wanted;
 }
 
 std::optional<Line> read_line(std::string_view line) {
-  if (line.size() <= kSumLength) return std::nullopt;
-  std::string_view body = line.substr(0, line.size() - kSumLength);
+  const auto parts = parts_of(line);
+  if (!parts) return std::nullopt;
+  std::string_view body = parts->body;
   Line read;
   if (!take(body, kSequence) || !take(body, read.sequence) || !take(body, kWallTime) || !take(body, read.wall_time) ||
       !take(body, kKind))

@@ -65,14 +65,16 @@ int Resources::available(int node) const {
 }
 
 void Resources::reindex(int node) {
-  const NodeState& state = nodes_[index(node)];
+  NodeState& state = nodes_[index(node)];
   const int idle = state.up ? state.idle : 0, all = available(node);
   const int spare = std::max(0, all - state.reserved);
   if (spare > spare_.count(node)) gained_.push_back(node);
   spare_.set(node, spare);
   spare_idle_.set(node, std::min(idle, spare));
+  if (!state.reserved_before && state.reserved == 0) return;
   reserved_idle_.set(node, state.reserved > 0 ? idle : 0);
   reserved_all_.set(node, state.reserved > 0 ? all : 0);
+  state.reserved_before = state.reserved > 0;
 }
 
 /// The caller reindexes the node.
@@ -86,13 +88,12 @@ void Resources::set_use(int core, Use use) {
   now = use;
 }
 
-/// Gives cores to a task, or back from it (nobody's id), a stretch on one node at a time.
-void Resources::set_holder(const CoreSet& cores, TaskId id, Use from, Use to) {
+/// Likewise of many, a stretch on one node at a time; reindexes the nodes.
+void Resources::set_use(const CoreSet& cores, Use from, Use to) {
   cores.for_each_stretch([&](const CoreSet::Stretch& stretch) {
     const int last = stretch.first + stretch.count;
-    for (int core = stretch.first; core < last;) {
-      const int node = node_of(core), stop = std::min(last, end_core(node));
-      std::fill(holder_.begin() + core, holder_.begin() + stop, id);
+    for (int core = stretch.first, node = node_of(core); core < last; ++node) {
+      const int stop = std::min(last, end_core(node));
       if (n_claimed_ == 0) {
         std::fill(use_.begin() + core, use_.begin() + stop, to);
         NodeState& state = nodes_[index(node)];
@@ -111,9 +112,11 @@ void Resources::set_holder(const CoreSet& cores, TaskId id, Use from, Use to) {
 
 void Resources::take(TaskId id, Hold hold) {
   hold.cores.for_each([&](int core) { GRANARY_ASSERT(is_free(core), core); });
-  set_holder(hold.cores, id, Use::idle, hold.lends ? Use::lent : Use::taken);
-  hold.cores.for_each_stretch(
-      [&](const CoreSet::Stretch& stretch) { std::fill_n(end_.begin() + stretch.first, stretch.count, hold.end); });
+  set_use(hold.cores, Use::idle, hold.lends ? Use::lent : Use::taken);
+  hold.cores.for_each_stretch([&](const CoreSet::Stretch& stretch) {
+    std::fill_n(holder_.begin() + stretch.first, stretch.count, id);
+    std::fill_n(end_.begin() + stretch.first, stretch.count, hold.end);
+  });
   n_free_ -= hold.cores.size();
   if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
     auto& shares = memory_of_[id.value];
@@ -135,7 +138,7 @@ void Resources::take(TaskId id, Hold hold) {
 
 void Resources::release(TaskId id, bool keep_memory) {
   if (const Hold* held = held_by(id)) {
-    set_holder(held->cores, TaskId{}, held->lends ? Use::lent : Use::taken, Use::idle);
+    set_use(held->cores, held->lends ? Use::lent : Use::taken, Use::idle);
     n_free_ += held->cores.size();
     free_holds_.push_back(std::exchange(hold_of_[index(id.value)], -1));
   }

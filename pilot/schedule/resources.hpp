@@ -37,8 +37,11 @@ class Resources {
   int end_core(int node) const { return first_core_[static_cast<std::size_t>(node) + 1]; }
   bool is_up(int node) const { return nodes_[static_cast<std::size_t>(node)].up; }
   /// The task on a core; nobody's id if it is free.
-  TaskId holder(int core) const { return holder_[static_cast<std::size_t>(core)]; }
-  bool is_free(int core) const { return holder(core) == TaskId{}; }
+  TaskId holder(int core) const { return is_free(core) ? TaskId{} : holder_[static_cast<std::size_t>(core)]; }
+  bool is_free(int core) const {
+    const Use use = use_[static_cast<std::size_t>(core)];
+    return use == Use::idle || use == Use::claimed;
+  }
   bool is_claimed(int core) const { return claimed_[static_cast<std::size_t>(core)]; }
   /// Free, and nobody has a claim on it.
   bool is_idle(int core) const { return use_[static_cast<std::size_t>(core)] == Use::idle; }
@@ -84,25 +87,26 @@ class Resources {
   void pick(int node, int count, CoreSet& picked) const;
 
  private:
-  enum class Use : char { taken, idle, lent, claimed };
+  enum class Use : char { taken, idle, lent, claimed };  ///< claimed: free, and kept for somebody
   struct NodeState {
     bool up = true;
-    int idle = 0, lent = 0;  ///< cores
+    bool reserved_before = false;  ///< when its place in the indices was looked at last
+    int idle = 0, lent = 0;        ///< cores
     int reserved = 0;
     std::int64_t reserved_memory = 0, memory_taken = 0;  ///< [bytes]
   };
 
   void set_use(int core, Use use);
   void reindex(int node);
-  void set_holder(const CoreSet& cores, TaskId id, Use from, Use to);
+  void set_use(const CoreSet& cores, Use from, Use to);
   Hold* find(TaskId id);
 
   Machine machine_;
   std::vector<int> node_of_;     ///< by core
   std::vector<int> first_core_;  ///< by node, and the end
-  std::vector<TaskId> holder_;   ///< by core
   std::vector<Use> use_;         ///< by core
-  std::vector<double> end_;      ///< by core: when its holder is expected to leave it; of a free one: any number
+  std::vector<TaskId> holder_;   ///< by core; of a free one: who had it last, as below
+  std::vector<double> end_;      ///< by core: when its holder is expected to leave it
   std::vector<bool> claimed_;    ///< by core
   std::vector<NodeState> nodes_;
   NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;

@@ -260,12 +260,14 @@ std::optional<Scheduler::Parts> Scheduler::places(const Layout& layout, bool spr
     }
     if (node < 0) return std::nullopt;
     from = node + 1;
-    const std::int64_t memory = reserved_too ? resources_.free_memory(node) : resources_.spare_memory(node);
     const auto taken = [&](const Reservation::Part& part) { return part.node == node; };
     // Only the second kind of share, searched anew, can come upon nodes of the first one.
     if (cores == layout.small && layout.n_large < layout.nodes && std::any_of(parts.begin(), parts.end(), taken))
       continue;
-    if (layout.memory > 0 && memory < layout.memory * cores) continue;
+    if (layout.memory > 0) {
+      const std::int64_t memory = reserved_too ? resources_.free_memory(node) : resources_.spare_memory(node);
+      if (memory < layout.memory * cores) continue;
+    }
     parts.push_back({node, cores});
   }
   return parts;

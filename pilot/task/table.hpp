@@ -2,11 +2,11 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
+#include <boost/unordered/unordered_flat_map.hpp>
 #include <deque>
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "common/result.hpp"
@@ -69,7 +69,7 @@ struct Turn {
 
 struct Table {
   std::deque<Task> tasks;  ///< by id; they stay where they are
-  std::unordered_map<std::string, TaskId> by_name;
+  boost::unordered_flat_map<std::string, TaskId> by_name;
   // Indices of `tasks` by state, so that nothing walks through all of them.
   NumberSet running_ids;
   std::set<Turn> suspended;
