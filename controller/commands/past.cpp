@@ -17,9 +17,11 @@ Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
   const campaign::Campaign& campaign = past->campaign;
   const auto settings = run::coupling_settings(campaign);
   past->journal = std::move(journal);
-  for (const pilot::Record& record : past->journal.records("coupling.event")) {
-    GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
-    past->coupling = coupling::update(past->coupling, event, settings).next;
+  if (campaign.kind == campaign::Kind::coupled) {
+    for (const pilot::Record& record : past->journal.records("coupling.event")) {
+      GRANARY_TRY(const auto event, coupling::event_from_json(record.payload));
+      past->coupling = coupling::update(past->coupling, event, settings).next;
+    }
   }
   const auto machine = pilot::stated_machine(campaign.resources.nodes, campaign.resources.cores.value_or(1024));
   GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));

@@ -182,13 +182,15 @@ Journal Journal::in_memory(std::function<double()> wall_clock) {
 
 Result<Journal> Journal::copy_of(const fs::path& file) {
   Journal copy = in_memory();
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) copy.buffer_.reserve(fs::file_size(file, ignored) + kReadAtOnce);
   GRANARY_TRY(const Extent extent, scan(file, [&](const Line& line) {
-                copy.stamp_ = line.wall_time;
-                copy.add(line.kind, line.payload);
+                if (!copy.first_wall_time_) copy.first_wall_time_ = line.wall_time;
+                copy.buffer_.append(line.text) += '\n';
                 return Status();
               }));
+  copy.next_sequence_ = extent.records + 1;
   copy.dropped_bytes_ = extent.dropped_bytes;
-  copy.stamp_.reset();
   return copy;
 }
 
@@ -256,7 +258,7 @@ Status Journal::reserve() {
 }
 
 void Journal::add(std::string_view kind, std::string_view payload) {
-  const double wall_time = stamp_.value_or(wall_clock_());
+  const double wall_time = stamp_ ? *stamp_ : wall_clock_();
   if (!first_wall_time_) first_wall_time_ = wall_time;
   append_line(buffer_, {next_sequence_++, wall_time, kind, payload});
   ++buffered_;

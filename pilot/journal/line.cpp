@@ -77,6 +77,17 @@ bool take(std::string_view& text, Number& number) {
   return true;
 }
 
+/// What append_time() writes.
+bool take_time(std::string_view& text, double& seconds) {
+  constexpr std::size_t kDecimals = 6;
+  std::uint64_t whole = 0, micros = 0;
+  if (!take(text, whole) || !take(text, std::string_view("."))) return false;
+  const std::size_t before = text.size();
+  if (!take(text, micros) || before - text.size() != kDecimals) return false;
+  seconds = static_cast<double>(whole) + 1e-6 * static_cast<double>(micros);
+  return true;
+}
+
 }  // namespace
 
 void append_line(std::string& text, const Line& line) {
@@ -110,8 +121,8 @@ std::optional<Line> read_line(std::string_view line) {
   if (!parts) return std::nullopt;
   std::string_view body = parts->body;
   Line read;
-  if (!take(body, kSequence) || !take(body, read.sequence) || !take(body, kWallTime) || !take(body, read.wall_time) ||
-      !take(body, kKind))
+  if (!take(body, kSequence) || !take(body, read.sequence) || !take(body, kWallTime) ||
+      !take_time(body, read.wall_time) || !take(body, kKind))
     return std::nullopt;
   const std::size_t end = body.find('"');
   if (end == std::string_view::npos) return std::nullopt;
@@ -119,6 +130,7 @@ std::optional<Line> read_line(std::string_view line) {
   body.remove_prefix(end);
   if (!take(body, kPayload) || body.empty()) return std::nullopt;
   read.payload = body;
+  read.text = line;
   return read;
 }
 

@@ -14,9 +14,10 @@ struct Line {
   double wall_time = 0.0;
   std::string_view kind;
   std::string_view payload;  ///< JSON
+  std::string_view text;     ///< of a line that was read: all of it, without its newline
 };
 
-/// Appends the line with its checksum and newline.
+/// Appends the line, by its members, with its checksum and newline.
 void append_line(std::string& text, const Line& line);
 /// Whether the line (without its newline) ends with the right checksum of what is before it.
 bool has_good_sum(std::string_view line);
