@@ -7,6 +7,7 @@
 #include "dem_templates/plugin/fix_balance.hpp"
 #include "dem_templates/plugin/fix_bond.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
+#include "dem_templates/plugin/fix_lists.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
 #include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_skin.hpp"
@@ -39,6 +40,7 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/balance"] = create<FixBalance>;
   styles["granary/bond"] = create<FixBond>;
   styles["granary/guard"] = create<FixGuard>;
+  styles["granary/lists"] = create<FixLists>;
   styles["granary/outlet"] = create<FixOutlet>;
   styles["granary/resize"] = create<FixResize>;
   styles["granary/skin"] = create<FixSkin>;

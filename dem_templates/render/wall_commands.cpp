@@ -25,6 +25,10 @@ Result<std::string> own_walls(const DemCase& c, const std::vector<Body>& all) {
       bodies += fmt::format(" rotate {} {} {} rad/s {}", body.name, vector_text(body.rotation->point),
                             vector_text(unit(body.rotation->axis)), body.rotation->speed);
   }
+  bodies += fmt::format(
+      "\n\n# Neighbour lists, made anew as seen from a frame that turns with the bed.\n"
+      "fix lists all granary/lists axis {}",
+      "xyz"[static_cast<std::size_t>(axis_of(c.machine))]);
   if (c.ranks > 1) bodies += "\n\n# Each rank as much to do.\nfix balance all granary/balance";
   return render(templates::walls, "walls.tmpl", {{"bodies", bodies}, {"rolling", rolling_style(c)}});
 }
