@@ -172,7 +172,9 @@ class Bench {
   }
 
   Status core_use() {
-    Value ours = Value::object(), bare = Value::object();
+    Value ours = Value::object(), bare = Value::object(), prepared = Value::object();
+    std::vector<int> cpus;
+    for (int core = 0; core < machine_.n_cores(); ++core) cpus.push_back(machine_.cpu_of(core));
     for (const char* seconds : {"0.5", "0.1", "0.01"}) {
       const double each = std::stod(seconds);
       const int n = static_cast<int>(std::lround(bench_.seconds * machine_.n_cores() / each));
@@ -180,10 +182,14 @@ class Bench {
       GRANARY_TRY(const auto site, Site::open(bench_.dir / (std::string("sleep-") + seconds), machine_));
       GRANARY_TRY(const double wall, site->run(tasks_named("t", n, {"/bin/sleep", seconds})));
       GRANARY_TRY(const double limit, pilot::bare_spawn_seconds({"/bin/sleep", seconds}, n, machine_.n_cores()));
+      GRANARY_TRY(const double best, pilot::prepared_spawn_seconds({"/bin/sleep", seconds}, n, cpus));
       ours.set(seconds, n * each / machine_.n_cores() / wall);
       bare.set(seconds, n * each / machine_.n_cores() / limit);
+      prepared.set(seconds, n * each / machine_.n_cores() / best);
     }
-    figures_.set("core_use", std::move(ours)).set("core_use_of_bare_starts", std::move(bare));
+    figures_.set("core_use", std::move(ours))
+        .set("core_use_of_bare_starts", std::move(bare))
+        .set("core_use_of_prepared_starts", std::move(prepared));
     return {};
   }
 
