@@ -34,6 +34,12 @@ std::vector<double> features_of(double size, const ResolvedCase& one, const std:
   return features;
 }
 
+/// Where a case lies for the law: what its features have beside the size.
+std::vector<double> place_of(const ResolvedCase& one, const std::string& cause, KernelOptions::By by) {
+  const auto features = features_of(1.0, one, cause, by);
+  return {features.begin() + 3, features.end()};
+}
+
 long splits_by(const estimation::SizeRecord& record, const std::set<std::string>& causes) {
   long n = 0;
   for (const auto& [cause, splits] : record.splits)
@@ -54,6 +60,19 @@ Result<estimation::SelectionLaw> law_of(const std::vector<ResolvedCase>& cases, 
         counts.push_back({features_of(record.mean_size, cases[k], group.first, by), record.exposure,
                           static_cast<double>(splits_by(record, group.second))});
   return estimation::fit_selection_law(counts, kPrior);
+}
+
+std::vector<BreakageKernel::SplitsOfCase> seen_by(const std::vector<ResolvedCase>& cases,
+                                                  const CauseGroups::value_type& group, KernelOptions::By by) {
+  std::vector<BreakageKernel::SplitsOfCase> seen;
+  for (const ResolvedCase& one : cases) {
+    if (!one.trained) continue;
+    seen.push_back({place_of(one, group.first, by), {}});
+    for (const estimation::FragmentSample& sample : one.history)
+      std::copy_if(sample.splits.begin(), sample.splits.end(), std::back_inserter(seen.back().splits),
+                   [&](const estimation::Split& split) { return group.second.count(split.cause) == 1; });
+  }
+  return seen;
 }
 
 std::vector<Records> records_of(const std::vector<ResolvedCase>& cases) {
@@ -116,6 +135,23 @@ CauseGroups groups_of(const std::vector<ResolvedCase>& cases, std::map<std::stri
   return groups;
 }
 
+std::vector<estimation::WeightedSplits> weighted(const BreakageKernel::CauseLaw& cause, const ResolvedCase& one,
+                                                 KernelOptions::By by) {
+  const auto at = place_of(one, cause.cause, by);
+  std::vector<double> squares;
+  for (const BreakageKernel::SplitsOfCase& seen : cause.seen) {
+    double square = 0.0;
+    for (std::size_t j = 0; j < at.size(); ++j) square += std::pow((at[j] - seen.at[j]) / BreakageKernel::kNear, 2);
+    squares.push_back(square);
+  }
+  // From the nearest on: where all are far, the nearest tells.
+  const double least = *std::min_element(squares.begin(), squares.end());
+  std::vector<estimation::WeightedSplits> groups;
+  for (std::size_t k = 0; k < squares.size(); ++k)
+    groups.push_back({&cause.seen[k].splits, std::max(1e-12, std::exp(-0.5 * (squares[k] - least)))});
+  return groups;
+}
+
 json::Value rate_json(const estimation::Rate& rate) {
   return json::Value(json::Array{rate.value, rate.low, rate.high});
 }
@@ -154,16 +190,24 @@ estimation::Rate BreakageKernel::rate(double size, const ResolvedCase& one) cons
 
 pbm::BreakageTable BreakageKernel::table(const ResolvedCase& one) const {
   pbm::BreakageTable table;
-  std::size_t nearest = 0;
-  while (nearest + 1 < daughters.size() && daughters[nearest].empty()) ++nearest;
+  std::size_t nearest = 0;  // class whose parents were seen to break
+  while (nearest + 1 < splits.size() && splits[nearest] == 0) ++nearest;
   for (std::size_t c = 0; c + 1 < bounds.size(); ++c) {
-    if (!daughters[c].empty()) nearest = c;
+    if (splits[c] > 0) nearest = c;
     const double size = std::sqrt(static_cast<double>(bounds[c]) * (bounds[c + 1] - 1));
     table.solid.push_back(size * one.sphere_volume);
     table.rate.push_back(rate(size, one).value);
     table.daughters.emplace_back();
-    for (const estimation::MeanDaughter& daughter : daughters[nearest])
-      table.daughters.back().push_back({daughter.share, daughter.number});
+    std::vector<estimation::WeightedSplits> by_any;
+    for (const CauseLaw& cause : causes)
+      for (const auto& group : weighted(cause, one, by)) by_any.push_back(group);
+    for (const CauseLaw& cause : causes) {
+      const double share = cause.law.at(features_of(size, one, cause.cause, by)).value / table.rate.back();
+      auto daughters = estimation::mean_daughters(weighted(cause, one, by), bounds[nearest], bounds[nearest + 1] - 1);
+      if (daughters.empty()) daughters = estimation::mean_daughters(by_any, bounds[nearest], bounds[nearest + 1] - 1);
+      for (const estimation::MeanDaughter& daughter : daughters)
+        table.daughters.back().push_back({daughter.share, share * daughter.number});
+    }
   }
   return table;
 }
@@ -180,20 +224,14 @@ Result<BreakageKernel> fit_kernel(const std::vector<ResolvedCase>& cases, const 
   const auto records = records_of(cases);
   for (const auto& group : groups) {
     GRANARY_TRY(auto law, law_of(cases, records, group, by));
-    kernel.causes.push_back({group.first, splits[group.first], std::move(law), {}});
+    kernel.causes.push_back({group.first, splits[group.first], std::move(law), {}, seen_by(cases, group, by)});
   }
   if (kernel.causes.empty()) return Error{"nothing broke in the cases that were to be fitted."};
   bootstrap(cases, groups, kernel);
-  std::vector<estimation::Split> all;
-  for (const ResolvedCase& one : cases)
-    for (const estimation::FragmentSample& sample : one.history)
-      if (one.trained) all.insert(all.end(), sample.splits.begin(), sample.splits.end());
-  for (std::size_t c = 0; c + 1 < kernel.bounds.size(); ++c) {
-    const int from = kernel.bounds[c], to = kernel.bounds[c + 1] - 1;
-    kernel.daughters.push_back(estimation::mean_daughters(all, from, to));
-    kernel.splits.push_back(std::count_if(
-        all.begin(), all.end(), [&](const estimation::Split& one) { return one.parent >= from && one.parent <= to; }));
-  }
+  kernel.splits.assign(kernel.bounds.size() - 1, 0);
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    for (std::size_t c = 0; c < kernel.splits.size() && cases[k].trained; ++c)
+      kernel.splits[c] += cases[k].records[c].all_splits();
   return kernel;
 }
 

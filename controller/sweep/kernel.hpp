@@ -18,12 +18,20 @@ namespace granary::sweep {
 
 /// rate = sum over causes of exp(c_0 + c_1 ln(n/N) + c_2 ln^2(n/N) + sum_k c_k ln(setting_k)), or, by impacts, with one
 /// c ln(P), P the power [W] that what breaks gives each sphere, instead of the settings: known of a case that was run.
+/// Daughters are means over the splits by each cause in the fitted cases: the nearer a case's settings (or power), the
+/// more it counts, with the weight exp(-1/2 (distance of the logarithms / kNear)^2).
 struct BreakageKernel {
+  static constexpr double kNear = 0.35;  // of 0.2, 0.35 and 0.6 the best for held-out cases (docs/breakage.md)
+  struct SplitsOfCase {
+    std::vector<double> at;  ///< ln of the settings, or of the power
+    std::vector<estimation::Split> splits;
+  };
   struct CauseLaw {
     std::string cause;  ///< "chopper"; "others": of those with too few splits for a law of their own
     long splits = 0;
     estimation::SelectionLaw law;
     std::vector<std::vector<double>> replicas;  ///< coefficients of each draw of the bootstrap; empty: there was none
+    std::vector<SplitsOfCase> seen;             ///< by this cause
     /// 95 % of coefficient j: of the bootstrap, or of the likelihood.
     std::pair<double, double> interval(std::size_t j) const;
   };
@@ -32,11 +40,10 @@ struct BreakageKernel {
   int spheres = 0;                    ///< N
   std::vector<int> bounds;            ///< of the classes of sizes
   std::vector<CauseLaw> causes;
-  std::vector<std::vector<estimation::MeanDaughter>> daughters;  ///< of each class
-  std::vector<long> splits;                                      ///< they were seen in
+  std::vector<long> splits;  ///< in each class
 
   estimation::Rate rate(double size, const ResolvedCase& one) const;  ///< with its 95 % interval
-  /// The table for one case's settings.
+  /// The table for one case's settings: the causes' daughters in proportion to their rates.
   pbm::BreakageTable table(const ResolvedCase& one) const;
 };
 

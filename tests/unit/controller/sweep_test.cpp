@@ -254,6 +254,37 @@ TEST(BreakageKernelOfASweep, GoesByWhatHitsWhenAsked) {
   EXPECT_EQ(impacts_of({}, 1.0).on("chopper"), 0.0);
 }
 
+/// 100 agglomerates of 8 spheres at a speed, of which 20 are split into `daughters` within 0.1 s.
+ResolvedCase split_case(double speed, const std::vector<int>& daughters) {
+  ResolvedCase one;
+  one.ln_setting = {std::log(speed)};
+  one.spheres = 8;
+  one.sphere_volume = 1e-9;
+  one.history = {{0.0, {{8, 100}}, {}}, {0.1, {{8, 80}}, {}}};
+  for (int n = 1; n <= 20; ++n) one.history[1].splits.push_back({8, daughters, "chopper", n});
+  for (const int daughter : daughters) one.history[1].alive[daughter] += 20;
+  one.records = estimation::records_of(one.history, estimation::size_bounds(8));
+  return one;
+}
+
+TEST(BreakageKernelOfASweep, HasTheDaughtersOfTheNearestSpeeds) {
+  const std::vector<ResolvedCase> cases{split_case(100.0, {7, 1}), split_case(400.0, {4, 4})};
+
+  const auto kernel = fit_kernel(cases, {"speed"}, KernelOptions::By::settings);
+
+  ASSERT_TRUE(kernel) << kernel.error().message;
+  const auto halves = [&](double speed) {  // of the volume
+    double share = 0.0;
+    for (const auto& daughter : kernel->table(split_case(speed, {8})).daughters.back())
+      if (std::abs(daughter.share - 0.5) < 1e-9) share += daughter.share * daughter.number;
+    return share;
+  };
+  EXPECT_LT(halves(100.0), 0.01);
+  EXPECT_NEAR(halves(200.0), 0.5, 1e-9);  // as near to one as to the other
+  EXPECT_GT(halves(400.0), 0.99);
+  EXPECT_GT(halves(1e6), 0.99);
+}
+
 TEST(BreakageKernelOfASweep, HasTheRatesAndDaughtersThatItsCasesHad) {
   // Two speeds; every 0.1 s of ten agglomerates of 8 spheres one, or two, are cut in halves.
   std::vector<ResolvedCase> cases(2);

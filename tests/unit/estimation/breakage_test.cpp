@@ -171,23 +171,26 @@ TEST(Daughters, KeepAllOfTheParentWhateverTheSplits) {
 
   for (const auto& [from, to] : {std::pair{2, 2}, {5, 9}, {37, 37}, {2, 37}}) {
     double volume = 0.0, number = 0.0;
-    for (const MeanDaughter& daughter : mean_daughters(splits, from, to))
+    for (const MeanDaughter& daughter : mean_daughters({{&splits, 0.5}}, from, to))
       volume += daughter.share * daughter.number, number += daughter.number;
     EXPECT_NEAR(volume, 1.0, 1e-12);
     EXPECT_GE(number, 2.0 - 1e-12);
   }
-  EXPECT_TRUE(mean_daughters(splits, 40, 50).empty());
+  EXPECT_TRUE(mean_daughters({{&splits}}, 40, 50).empty());
 }
 
 TEST(Daughters, AreCountedByTheirShares) {
-  const auto daughters =
-      mean_daughters({{37, {36, 1}, ""}, {37, {36, 1}, ""}, {37, {35, 1, 1}, ""}, {8, {4, 4}, ""}}, 37, 37);
+  const std::vector<Split> chips{{37, {36, 1}, ""}, {37, {36, 1}, ""}}, other{{37, {35, 1, 1}, ""}, {8, {4, 4}, ""}};
+
+  const auto daughters = mean_daughters({{&chips}, {&other}}, 37, 37);
 
   ASSERT_EQ(daughters.size(), 3u);  // rising: 1, 35 and 36 of 37; the parent of 8 is another's
   EXPECT_NEAR(daughters[0].share, 1.0 / 37.0, 1e-15);
   EXPECT_NEAR(daughters[0].number, 4.0 / 3.0, 1e-12);
   EXPECT_NEAR(daughters[1].number, 1.0 / 3.0, 1e-12);
   EXPECT_NEAR(daughters[2].number, 2.0 / 3.0, 1e-12);
+  const auto weighted = mean_daughters({{&chips, 3.0}, {&other, 2.0}}, 37, 37);  // 6 chips to 2 others
+  EXPECT_NEAR(weighted[0].number, (6.0 + 2.0 * 2.0) / 8.0, 1e-12);
 }
 
 TEST(FragmentHistory, IsReadFromItsLinesAndHeldAgainstItself) {
