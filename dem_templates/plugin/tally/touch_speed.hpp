@@ -6,6 +6,9 @@
 
 namespace granary::dem {
 
+/// a . b
+inline double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 /// Two spheres overlap now; before they touched they flew with a constant relative velocity v. On that line
 ///
 ///   (d . v)^2 - |v|^2 (|d|^2 - R^2)
@@ -19,9 +22,7 @@ namespace granary::dem {
 /// @return   v_n [m/s], >= 0
 /// Source: derived here; checked against flights worked out step by step in touch_speed_test.cpp.
 inline double touch_speed(const double* d, const double* v, double R) {
-  const double dv = d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
-  const double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const double dv = dot3(d, v), v2 = dot3(v, v), d2 = dot3(d, d);
   return std::sqrt(std::max(0.0, dv * dv + v2 * (R * R - d2))) / R;
 }
 
@@ -35,9 +36,7 @@ inline double touch_speed(const double* d, const double* v, double R) {
 /// @return        v_n [m/s], >= 0
 /// Source: derived here; checked against a bounce worked out step by step in touch_speed_test.cpp.
 inline double parted_speed(const double* d, const double* before, const double* v, double R) {
-  const double dv = d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
-  const double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const double dv = dot3(d, v), v2 = dot3(v, v), d2 = dot3(d, d);
   if (v2 == 0.0) return 0.0;
   const double since = std::max(0.0, (dv - std::sqrt(std::max(0.0, dv * dv - v2 * (d2 - R * R)))) / v2);
   double along = 0.0, distance2 = 0.0;
