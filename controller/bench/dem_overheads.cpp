@@ -36,8 +36,8 @@ Result<Value> tally_overhead(Effort effort, const fs::path& scratch) {
   c.tally.every = dem::automatic_tally_every(c);  // as a workflow has it that does not say
   GRANARY_TRY(const State state, settled_state(c, 3, scratch / "overhead-tally"));
   std::vector<double> bare, tallied, pair, own;
-  const long steps = by_effort(effort, 2000L, 4000L, 8000L);
-  for (int repeat = 0; repeat < by_effort(effort, 9, 15, 15); ++repeat)
+  constexpr long steps = 8000;
+  for (int repeat = 0; repeat < by_effort(effort, 7, 11, 15); ++repeat)
     for (const bool with : {false, true}) {
       TimingDeck deck{dem::Walls::granary, 0.003, 200, steps, with ? static_cast<int>(steps / 2000) : 0};  // of 10 ms
       GRANARY_TRY(const std::string text, timing_deck(c, deck));
