@@ -84,16 +84,39 @@ TEST_F(JournalTest, DropsALastLineWithAFlippedBitAnywhere) {
   const std::string whole = text();
   const std::size_t second = whole.find('\n') + 1;
 
-  for (std::size_t at = second; at + 1 < whole.size(); ++at) {
+  for (std::size_t bit = 8 * second; bit + 8 < 8 * whole.size(); ++bit) {
+    const std::size_t at = bit / 8;
     std::string damaged = whole;
-    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    damaged[at] = static_cast<char>(damaged[at] ^ 1 << bit % 8);
     if (damaged[at] == '\n') continue;
     replace(damaged);
     const auto content = read_journal(file);
-    ASSERT_TRUE(content.has_value()) << at;
-    EXPECT_EQ(content->records.size(), 1u) << at;
-    EXPECT_EQ(content->dropped_bytes, whole.size() - second) << at;
+    ASSERT_TRUE(content.has_value()) << bit;
+    EXPECT_EQ(content->records.size(), 1u) << bit;
+    EXPECT_EQ(content->dropped_bytes, whole.size() - second) << bit;
   }
+}
+
+TEST_F(JournalTest, GoesOnBehindLinesWithTheSumsOfEarlierVersionsAndSeesTheirDamage) {
+  const std::string old =
+      R"({"n":1,"wall_s":1795340272.320125,"kind":"other.note","payload":{"text":"old"},"sum":"9afe5da6e2042814"})"
+      "\n";
+  replace(old);
+  {
+    auto journal = Journal::open(file);
+    ASSERT_TRUE(journal.has_value());
+    ASSERT_TRUE(journal->append("other.note", json::Value::object({{"text", "new"}})).has_value());
+  }
+  const auto content = read_journal(file);
+  ASSERT_TRUE(content.has_value());
+  ASSERT_EQ(content->records.size(), 2u);
+  EXPECT_EQ(content->records[0].payload.text_or("text", ""), "old");
+  EXPECT_DOUBLE_EQ(content->records[0].wall_time, 1795340272.320125);
+
+  std::string damaged = old;
+  damaged[damaged.find("old")] = 'c';
+  replace(damaged);
+  EXPECT_EQ(read_journal(file)->records.size(), 0u);
 }
 
 TEST_F(JournalTest, DropsTheZerosThatAPowerCutLeavesBehind) {
