@@ -17,9 +17,6 @@
 namespace granary::campaign {
 namespace {
 
-using Kernel = pbm::Aggregation::Kernel;
-using Mode = CouplingSettings::Mode;
-
 /// Adds problems of one campaign, with the value at the place as it was written.
 class Checker {
  public:
@@ -48,7 +45,7 @@ class Checker {
 };
 
 bool needs_dem(const pbm::PbmCase& balance) {
-  const bool rates = balance.aggregation && balance.aggregation->kernel == Kernel::dem;
+  const bool rates = balance.aggregation && balance.aggregation->kernel == pbm::Aggregation::Kernel::dem;
   const bool impacts = balance.breakage && balance.breakage->selection == pbm::Breakage::Selection::impact;
   return rates || impacts;
 }
@@ -56,14 +53,14 @@ bool needs_dem(const pbm::PbmCase& balance) {
 void check_mode(const Campaign& campaign, Checker& checker) {
   if (!checker.sound({"/coupling/mode", "/pbm/aggregation", "/pbm/breakage"})) return;
   const pbm::PbmCase& balance = campaign.pbm_case;
-  if (campaign.coupling.mode != Mode::pbm_only) {
+  if (campaign.coupling.mode != CouplingSettings::Mode::pbm_only) {
     if (!needs_dem(balance))
       checker.add("/coupling/mode", "nothing of the PBM takes anything from the DEM.",
                   R"(Give /pbm/aggregation a "dem" kernel or /pbm/breakage an "impact" selection, )"
                   R"(or set the mode to "pbm-only".)");
     return;
   }
-  if (balance.aggregation && balance.aggregation->kernel == Kernel::dem)
+  if (balance.aggregation && balance.aggregation->kernel == pbm::Aggregation::Kernel::dem)
     checker.add("/pbm/aggregation/kernel", "it takes its rates from a DEM, and in the mode \"pbm-only\" there is none.",
                 "Use table, shear, constant, sum or product.");
   if (balance.aggregation && balance.aggregation->efficiency.model == pbm::Efficiency::Model::stokes)
@@ -144,7 +141,7 @@ void check_times(const Campaign& campaign, Checker& checker) {
   const pbm::PbmCase& balance = campaign.pbm_case;
   at_most("/pbm/output_every", balance.output_every, "/pbm/longest_burst", campaign.pbm.longest_burst);
   at_most("/pbm/output_every", balance.output_every, "/process/duration", campaign.duration);
-  if (campaign.coupling.mode == Mode::pbm_only) return;
+  if (campaign.coupling.mode == CouplingSettings::Mode::pbm_only) return;
   const dem::DemCase& dem = campaign.dem_case;
   at_most("/dem/tally_window", dem.tally.window, "/dem/longest_burst", campaign.dem.longest_burst);
   at_most("/dem/time_step", dem.time_step * dem.tally.every, "/dem/tally_window", dem.tally.window);
@@ -175,7 +172,7 @@ HoldUp starting_hold_up(const pbm::PbmCase& balance) {
 
 /// The mean particle at half the budget of particles; nothing where that cannot be told.
 std::optional<dem::DemCase> likely_case(const Campaign& campaign) {
-  if (campaign.coupling.mode == Mode::pbm_only || campaign.dem.coarse_graining) return std::nullopt;
+  if (campaign.coupling.mode == CouplingSettings::Mode::pbm_only || campaign.dem.coarse_graining) return std::nullopt;
   const HoldUp held = starting_hold_up(campaign.pbm_case);
   if (!(held.volume > 0.0)) return std::nullopt;
   dem::DemCase likely = campaign.dem_case;
@@ -269,7 +266,7 @@ void check_cores(const Campaign& campaign, int nodes, int cores_per_node, json::
   const std::string there = nodes == 1 ? fmt::format("the {} there are", cores)
                                        : fmt::format("the {} there are ({} nodes of {})", cores, nodes, cores_per_node);
   const std::string hint = "Lower it, or give more in /resources/cores.";
-  if (campaign.coupling.mode != Mode::pbm_only && campaign.dem_case.ranks > cores &&
+  if (campaign.coupling.mode != CouplingSettings::Mode::pbm_only && campaign.dem_case.ranks > cores &&
       checker.sound({"/dem/ranks", "/resources"}))
     checker.add("/dem/ranks", fmt::format("a DEM burst needs {} cores, more than {}.", campaign.dem_case.ranks, there),
                 hint);

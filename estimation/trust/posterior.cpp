@@ -24,35 +24,35 @@ constexpr double kWidenMore = 2.0;
 constexpr double kWideShare = 0.3;
 constexpr double kLeastSpread = 1e-6;
 
-/// A t distribution; its density but for a constant that all of them share.
-struct Proposal {
-  VectorXd mean;
-  MatrixXd root;  ///< of its scale matrix, lower triangle
-  double ln_volume = 0.0;
-  double drawn = 0.0;
-
-  Proposal(const VectorXd& about, const MatrixXd& covariance, double widen) : mean(about) {
-    const MatrixXd wide =
-        widen * widen * covariance + kLeastSpread * kLeastSpread * MatrixXd::Identity(about.size(), about.size());
-    root = wide.llt().matrixL();
-    ln_volume = root.diagonal().array().log().sum();
-  }
-  double density(const VectorXd& at) const {
-    const double square = root.triangularView<Eigen::Lower>().solve(at - mean).squaredNorm();
-    const double n = static_cast<double>(mean.size());
-    return std::exp(-ln_volume - 0.5 * (kFreedom + n) * std::log1p(square / kFreedom));
-  }
-};
-
-struct Sample {
-  VectorXd at;
-  double cost;
-  double density = 0.0;  ///< of all proposals but the last pair, each times its draws
-};
-
 }  // namespace
 
 struct Posterior::State {
+  /// A t distribution; its density but for a constant that all of them share.
+  struct Proposal {
+    VectorXd mean;
+    MatrixXd root;  ///< of its scale matrix, lower triangle
+    double ln_volume = 0.0;
+    double drawn = 0.0;
+
+    Proposal(const VectorXd& about, const MatrixXd& covariance, double widen) : mean(about) {
+      const MatrixXd wide =
+          widen * widen * covariance + kLeastSpread * kLeastSpread * MatrixXd::Identity(about.size(), about.size());
+      root = wide.llt().matrixL();
+      ln_volume = root.diagonal().array().log().sum();
+    }
+    double density(const VectorXd& at) const {
+      const double square = root.triangularView<Eigen::Lower>().solve(at - mean).squaredNorm();
+      const double n = static_cast<double>(mean.size());
+      return std::exp(-ln_volume - 0.5 * (kFreedom + n) * std::log1p(square / kFreedom));
+    }
+  };
+
+  struct Sample {
+    VectorXd at;
+    double cost;
+    double density = 0.0;  ///< of all proposals but the last pair, each times its draws
+  };
+
   State(std::uint64_t seed, double by) : dice(seed), misfit(by) {}
 
   Dice dice;

@@ -80,19 +80,19 @@ VerificationCase tanks() {
 
 /// l_int = l as long as phi g > l: then the porosity of the whole granule decays as an exponential.
 VerificationCase porosity() {
-  constexpr double kRate = 0.5, kEnd = 4.0, kLiquid = 0.1, kGas = 0.9, kLeast = 0.2, kStart = 0.5;
+  constexpr double kRate = 0.5, kEnd = 4.0, kLiquid = 0.1, kGas = 0.9, kLeastPorosity = 0.2, kStart = 0.5;
   VerificationCase v;
   v.name = "porosity", v.group = group::kTransport;
   v.text = "granules with liquid in their pores consolidate from 0.5 towards 0.2 at 0.5 1/s; t = 4";
   v.pbm_case = [](int bins) {
     PbmCase c = closed_case("porosity", bins, kLiquid, kGas, kEnd);
     c.materials.saturation_factor = 10.0;
-    c.consolidation = Consolidation{kRate, kLeast};
+    c.consolidation = Consolidation{kRate, kLeastPorosity};
     return c;
   };
   v.compare = [](const PbmCase&, const ClassGrid& grid, const Snapshot& end) {
     Comparison result = unchanged_number(grid, end);
-    const double exact = kLeast + (kStart - kLeast) * std::exp(-kRate * kEnd);
+    const double exact = kLeastPorosity + (kStart - kLeastPorosity) * std::exp(-kRate * kEnd);
     double worst = 0.0;
     for (std::size_t k = 0; k < grid.size(); ++k) {
       const double pores = end.liquid[k] + end.gas[k];
