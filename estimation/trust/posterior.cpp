@@ -127,7 +127,7 @@ Posterior::~Posterior() = default;
 
 Point Posterior::ask() {
   const bool wide = state_->dice.uniform() < kWideShare;
-  Proposal& from = *(state_->proposals.end() - (wide ? 2 : 1));
+  State::Proposal& from = *(state_->proposals.end() - (wide ? 2 : 1));
   const auto n = from.mean.size();
   for (;;) {
     from.drawn += 1.0;  // those outside too: the proposal's density is not cut off at the cube's faces
