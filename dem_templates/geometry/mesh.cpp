@@ -19,12 +19,12 @@ std::string place(Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x
 void append(Mesh& mesh, const Mesh& other) {
   const int shift = static_cast<int>(mesh.vertex.size());
   mesh.vertex.insert(mesh.vertex.end(), other.vertex.begin(), other.vertex.end());
-  for (const Face& t : other.triangle) mesh.triangle.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  for (const Corners& t : other.triangle) mesh.triangle.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
 
 double volume(const Mesh& mesh) {
   double sum = 0.0;
-  for (const Face& t : mesh.triangle) sum += dot(mesh.vertex[t[0]], cross(mesh.vertex[t[1]], mesh.vertex[t[2]]));
+  for (const Corners& t : mesh.triangle) sum += dot(mesh.vertex[t[0]], cross(mesh.vertex[t[1]], mesh.vertex[t[2]]));
   return sum / 6.0;
 }
 
@@ -33,7 +33,7 @@ Mesh refine(const Mesh& mesh, int n) {
   if (n == 1) return mesh;
   Mesh fine{mesh.vertex, {}};
   std::map<std::array<int, 3>, int> on_edge;  // lower vertex, higher vertex, step from the lower one
-  for (const Face& t : mesh.triangle) {
+  for (const Corners& t : mesh.triangle) {
     // Vertex number of the point with barycentric steps (n - i - j, i, j). Edge points are made once for both
     // triangles.
     const auto edge_point = [&](int a, int b, int step) {
@@ -74,7 +74,7 @@ std::optional<std::string> defect(const Mesh& mesh) {
   if (mesh.triangle.empty()) return "it has no triangles";
   std::map<std::pair<int, int>, int> directed;  // how many triangles run along this edge in this direction
   for (std::size_t n = 0; n < mesh.triangle.size(); ++n) {
-    const Face& t = mesh.triangle[n];
+    const Corners& t = mesh.triangle[n];
     const Vec3 a = mesh.vertex[t[0]], b = mesh.vertex[t[1]], c = mesh.vertex[t[2]];
     const double longest = std::max({length(b - a), length(c - b), length(a - c)});
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !(length(cross(b - a, c - a)) > 1e-9 * longest * longest))
@@ -121,7 +121,7 @@ Mesh weld(const Mesh& mesh, double tolerance) {
     }
     now[n] = found;
   }
-  for (const Face& t : mesh.triangle) welded.triangle.push_back({now[t[0]], now[t[1]], now[t[2]]});
+  for (const Corners& t : mesh.triangle) welded.triangle.push_back({now[t[0]], now[t[1]], now[t[2]]});
   return welded;
 }
 

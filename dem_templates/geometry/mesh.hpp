@@ -21,12 +21,12 @@ inline double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 
-using Face = std::array<int, 3>;  ///< vertex numbers, counter-clockwise seen from outside the body's material
+using Corners = std::array<int, 3>;  ///< vertex numbers, counter-clockwise seen from outside the body's material
 
 /// One or more closed bodies that share no vertex. [m]
 struct Mesh {
   std::vector<Vec3> vertex;
-  std::vector<Face> triangle;
+  std::vector<Corners> triangle;
 };
 
 /// Adds the bodies of `other`.

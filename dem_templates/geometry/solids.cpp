@@ -162,7 +162,7 @@ Mesh blade(const Blade& form) {
   // (out, wide, ahead) is left-handed for the rotor's sense of turning, or not: orient by the volume.
   for (const auto& q : faces) add_quad(mesh, q[0], q[1], q[2], q[3], false);
   if (volume(mesh) < 0.0)
-    for (Face& t : mesh.triangle) std::swap(t[1], t[2]);
+    for (Corners& t : mesh.triangle) std::swap(t[1], t[2]);
   return mesh;
 }
 

@@ -22,7 +22,7 @@ Mesh mesh_of(const std::vector<StlTriangle>& triangles) {
 
 std::string stl_text(const Mesh& mesh, const std::string& name) {
   std::string text = fmt::format("solid {}\n", name);
-  for (const Face& t : mesh.triangle) {
+  for (const Corners& t : mesh.triangle) {
     const Vec3 a = mesh.vertex[t[0]], b = mesh.vertex[t[1]], c = mesh.vertex[t[2]];
     const Vec3 area = cross(b - a, c - a);
     const Vec3 normal = (1.0 / length(area)) * area;

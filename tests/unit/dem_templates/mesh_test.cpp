@@ -65,7 +65,7 @@ TEST(Mesh, ATriangleWithoutAreaIsADefect) {
 TEST(Mesh, WeldingJoinsTheCornersOfLooseTriangles) {
   const Mesh box = a_box();
   Mesh loose;
-  for (const Face& t : box.triangle) {
+  for (const Corners& t : box.triangle) {
     const int first = static_cast<int>(loose.vertex.size());
     for (int k = 0; k < 3; ++k) loose.vertex.push_back(box.vertex[t[k]] + Vec3{1e-12 * first, 0, 0});
     loose.triangle.push_back({first, first + 1, first + 2});

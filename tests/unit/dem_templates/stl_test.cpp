@@ -36,7 +36,7 @@ class Stl : public testing::Test {
     const auto put = [&](const void* data, std::size_t n) { bytes.append(static_cast<const char*>(data), n); };
     const auto count = static_cast<std::uint32_t>(mesh.triangle.size());
     put(&count, 4);
-    for (const Face& t : mesh.triangle) {
+    for (const Corners& t : mesh.triangle) {
       float numbers[12] = {0, 0, 0};
       for (int k = 0; k < 3; ++k) {
         const Vec3 p = mesh.vertex[t[k]];
