@@ -189,22 +189,26 @@ estimation::Rate BreakageKernel::rate(double size, const ResolvedCase& one) cons
 }
 
 pbm::BreakageTable BreakageKernel::table(const ResolvedCase& one) const {
+  std::vector<std::vector<estimation::WeightedSplits>> by_cause;
+  std::vector<estimation::WeightedSplits> by_any;
+  for (const CauseLaw& cause : causes) {
+    by_cause.push_back(weighted(cause, one, by));
+    by_any.insert(by_any.end(), by_cause.back().begin(), by_cause.back().end());
+  }
   pbm::BreakageTable table;
   std::size_t nearest = 0;  // class whose parents were seen to break
   while (nearest + 1 < splits.size() && splits[nearest] == 0) ++nearest;
   for (std::size_t c = 0; c + 1 < bounds.size(); ++c) {
     if (splits[c] > 0) nearest = c;
+    const int from = bounds[nearest], to = bounds[nearest + 1] - 1;
     const double size = std::sqrt(static_cast<double>(bounds[c]) * (bounds[c + 1] - 1));
     table.solid.push_back(size * one.sphere_volume);
     table.rate.push_back(rate(size, one).value);
     table.daughters.emplace_back();
-    std::vector<estimation::WeightedSplits> by_any;
-    for (const CauseLaw& cause : causes)
-      for (const auto& group : weighted(cause, one, by)) by_any.push_back(group);
-    for (const CauseLaw& cause : causes) {
-      const double share = cause.law.at(features_of(size, one, cause.cause, by)).value / table.rate.back();
-      auto daughters = estimation::mean_daughters(weighted(cause, one, by), bounds[nearest], bounds[nearest + 1] - 1);
-      if (daughters.empty()) daughters = estimation::mean_daughters(by_any, bounds[nearest], bounds[nearest + 1] - 1);
+    for (std::size_t k = 0; k < causes.size(); ++k) {
+      const double share = causes[k].law.at(features_of(size, one, causes[k].cause, by)).value / table.rate.back();
+      auto daughters = estimation::mean_daughters(by_cause[k], from, to);
+      if (daughters.empty()) daughters = estimation::mean_daughters(by_any, from, to);
       for (const estimation::MeanDaughter& daughter : daughters)
         table.daughters.back().push_back({daughter.share, share * daughter.number});
     }

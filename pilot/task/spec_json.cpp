@@ -198,10 +198,6 @@ bool flag(const json::Value& value, std::string_view key) {
   return member.is_bool() && member.as_bool();
 }
 
-}  // namespace
-
-namespace {
-
 json::Value codes_in(const ExitCodes& codes) {
   json::Value list = json::Value::array();
   for (std::size_t code = 0; code < codes.size(); ++code) {
