@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/math/percentile.hpp"
@@ -11,6 +12,7 @@
 #include "controller/bench/dem_tallied.hpp"
 #include "controller/bench/estimate.hpp"
 #include "dem_templates/render/automatic.hpp"
+#include "pilot/schedule/machine.hpp"
 
 namespace granary::bench {
 namespace {
@@ -21,6 +23,10 @@ using json::Value;
 constexpr double kDiameter = 0.004;  // [m]
 constexpr long kParticles = 1200;
 constexpr double kSettle = 0.09;  // [s], three turns
+constexpr double kLongSettle = 0.24;
+// Two ranks are worth their while with more particles than the other choices have.
+constexpr double kRanksDiameter = 0.0024;  // [m]
+constexpr long kRanksParticles = 10000;
 
 /// One setting: the case it makes, and what is measured of it.
 struct Choice {
@@ -68,6 +74,25 @@ std::vector<Choice> all_choices() {
     c.time_step = dem::automatic_time_step(c);
     all.push_back(
         {"coarse graining", fmt::format("{} of {:g} mm, {:.2g} us", n, mm, 1e6 * c.time_step), c, mm == 3.0, {}, {}});
+  }
+  for (const double s : {kLongSettle, 0.12, 0.06, 0.03, 0.015}) {
+    dem::DemCase c = base_case();
+    c.settle_time = s;
+    all.push_back({"filled at once", fmt::format("settles {:g} ms", 1e3 * s), c, s == kLongSettle, {}, {}});
+  }
+  return all;
+}
+
+// The same mixer on one rank and cut in two across each axis.
+std::vector<Choice> rank_grids() {
+  std::vector<Choice> all;
+  for (const auto& grid : {std::array{1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}}) {
+    dem::DemCase c = mixer_case({{kRanksDiameter, kRanksParticles}});
+    c.settle_time = turn_of(c);
+    c.ranks = grid[0] * grid[1] * grid[2];
+    c.rank_grid = grid;
+    c.time_step = dem::automatic_time_step(c);
+    all.push_back({"ranks", fmt::format("{} x {} x {}", grid[0], grid[1], grid[2]), c, c.ranks == 1, {}, {}});
   }
   return all;
 }
@@ -141,8 +166,12 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
   const auto seeds = static_cast<std::size_t>(by_effort(effort, 2, 3, 8));
   const int turns = by_effort(effort, 3, 6, 12);
   std::vector<Choice> all = all_choices();
+  const std::size_t n_counted = all.size();
+  GRANARY_TRY(const pilot::Machine machine, pilot::local_machine());
+  if (machine.n_cores() > 1)
+    for (Choice& one : rank_grids()) all.push_back(std::move(one));
   for (Choice& one : all) {
-    one.dem.duration = turns * turn_of(one.dem);
+    one.dem.duration = (one.choice == "ranks" ? turns / 3 : turns) * turn_of(one.dem);
     one.tallies.resize(seeds);
     one.ms_per_step.resize(seeds);
   }
@@ -158,7 +187,9 @@ Result<Value> choice_rows(Effort effort, const fs::path& scratch, const Say& say
     one.ms_per_step[seed] = burst.run.loops.back().ms_per_step();
     return {};
   };
-  GRANARY_CHECK(at_once(all.size() * seeds, measure));
+  GRANARY_CHECK(at_once(n_counted * seeds, measure));
+  // Ranks wait for one another: one run at a time, with all cores.
+  for (std::size_t k = n_counted * seeds; k < all.size() * seeds; ++k) GRANARY_CHECK(measure(k));
   Value rows = Value::array();
   const Choice* reference = nullptr;
   for (const Choice& one : all) {

@@ -9,8 +9,9 @@
 
 namespace granary::bench {
 
-/// rows of choices[]: choice (time step, stiffness, skin, coarse graining, burst length), value, whether it is the
-/// reference, the errors against that with their statistical errors, and core seconds a second of process.
+/// rows of choices[]: choice (time step, stiffness, skin, coarse graining, settling after the fill, ranks and how they
+/// cut the mixer, burst length), value, whether it is the reference, the errors against that with their statistical
+/// errors, and seconds a second of process takes.
 /// Errors: granary-dem fails.
 Result<json::Value> choice_rows(Effort effort, const std::filesystem::path& scratch, const Say& say);
 
