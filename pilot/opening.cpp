@@ -40,7 +40,7 @@ Status Pilot::State::replay(const Line& line) {
 Status Pilot::State::replay() {
   GRANARY_CHECK(journal.for_each([this](const Line& line) { return replay(line); }));
   for (const Task& task : table.tasks) {
-    ++folders[folder_of(task.spec)];
+    count_folder(task.spec);
     if (has_ended(task.state) && !task.resumable) continue;
     if (const Status fits = check_fits(task.spec, scheduler.layouts()); !fits) {
       return Error{fmt::format("task \"{}\" {}", task.spec.name, fits.error().message)};

@@ -49,7 +49,7 @@ Result<TaskId> Pilot::submit(TaskSpec spec) {
     return Error{fmt::format("task \"{}\" {}", spec.name, fits.error().message)};
   }
   const TaskId id{static_cast<int>(state.table.tasks.size())};
-  ++state.folders[state.folder_of(spec)];
+  state.count_folder(spec);
   state.idle_told = false;
   state.happens({now(), Submitted{id, std::move(spec)}});
   return id;

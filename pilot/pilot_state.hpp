@@ -45,12 +45,13 @@ struct Pilot::State {
   bool turn_posted = false;
   std::vector<Action> todo;  ///< once the journal has what led to it
   std::string text;          ///< of the record being written
+  Launch launch;             ///< of the attempt being started
   std::vector<TaskId> ends_to_tell;
   bool idle_told = true;
   bool sync_set = false;
   std::optional<Error> failure;
   std::map<AttemptId, std::array<TimerId, 2>> alarms;
-  std::map<std::filesystem::path, int> folders;  ///< how many tasks work in each
+  std::map<std::filesystem::path, int> folders;  ///< how many tasks work in each but the campaign's own
   std::vector<std::function<void(const TaskEnd&)>> end_callbacks;
   std::vector<std::function<void()>> idle_callbacks;
   std::shared_ptr<bool> alive = std::make_shared<bool>(true);  ///< posted calls find out whether we still are
@@ -139,16 +140,23 @@ struct Pilot::State {
 
   // --- actions ---
 
-  Launch launch_of(const Task& task, const Attempt& attempt) const {
-    return {{task.id, attempt.number},
-            task.spec,
-            folder_of(task.spec),
-            attempt.pieces.back().cores,
-            mark_of({task.id, attempt.number})};
+  /// Valid until the next call: the room of its texts and lists is used again.
+  const Launch& launch_of(const Task& task, const Attempt& attempt) {
+    launch.attempt = {task.id, attempt.number};
+    launch.spec = task.spec;
+    launch.dir = options.dir;
+    if (!task.spec.dir.empty()) launch.dir /= task.spec.dir;
+    launch.cores = attempt.pieces.back().cores;
+    launch.mark = mark_of(launch.attempt);
+    return launch;
   }
 
   std::string mark_of(AttemptId attempt) const {
     return fmt::format("{}.{}.{}", run_id, attempt.task.value, attempt.number);
+  }
+
+  void count_folder(const TaskSpec& spec) {
+    if (!spec.dir.empty()) ++folders[folder_of(spec)];
   }
 
   /// Whether no other task works in the task's folder or below it.

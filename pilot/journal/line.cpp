@@ -1,6 +1,6 @@
 #include "pilot/journal/line.hpp"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <charconv>
 #include <cmath>
@@ -14,9 +14,7 @@ constexpr std::size_t kDigits = 8, kDigitsBefore = 16;
 constexpr std::string_view kSequence = "{\"n\":", kWallTime = ",\"wall_s\":", kKind = ",\"kind\":\"",
                            kPayload = "\",\"payload\":";
 
-std::uint64_t sum_of(std::string_view bytes) {
-  return crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-}
+std::uint64_t sum_of(std::string_view bytes) { return libdeflate_crc32(0, bytes.data(), bytes.size()); }
 
 /// FNV-1a, 64 bits, of lines written before the CRC was: their campaigns go on.
 std::uint64_t sum_before(std::string_view bytes) {

@@ -1,6 +1,7 @@
 #include "pilot/launch/simulated_launcher.hpp"
 
 #include <csignal>
+#include <utility>
 
 namespace granary::pilot {
 
@@ -8,15 +9,29 @@ SimulatedLauncher::SimulatedLauncher(EventLoop& loop, std::function<SimulatedRun
     : loop_(loop), model_(std::move(model)) {}
 
 Result<ProcessKey> SimulatedLauncher::start(const Launch& launch, std::function<void(const RunEnd&)> ended) {
-  Run& run = runs_[launch.attempt];
+  if (free_places_.empty()) {
+    free_places_.push_back(runs_.size());
+    runs_.emplace_back();
+  }
+  Run& run = runs_[free_places_.back()];
+  place_of_.emplace(launch.attempt, free_places_.back());
+  free_places_.pop_back();
+  run = Run();
+  run.attempt = launch.attempt;
   run.plan = model_(launch.spec);
   run.cores = launch.cores.size();
   run.left = run.plan.seconds;
   run.since = loop_.now();
   run.exit_code = run.plan.exit_code;
   run.ended = std::move(ended);
-  arm(launch.attempt, run);
+  arm(run);
   return ProcessKey{};
+}
+
+/// nullptr: it does not run (any more).
+SimulatedLauncher::Run* SimulatedLauncher::find(AttemptId attempt) {
+  const auto found = place_of_.find(attempt);
+  return found == place_of_.end() ? nullptr : &runs_[found->second];
 }
 
 /// Books the running time up to now.
@@ -27,14 +42,15 @@ void SimulatedLauncher::settle(Run& run) {
   run.since = loop_.now();
 }
 
-void SimulatedLauncher::arm(AttemptId attempt, Run& run) {
+void SimulatedLauncher::arm(Run& run) {
   loop_.cancel(run.timer);
-  run.timer = loop_.after(run.left, [this, attempt] { end(attempt); });
+  run.timer = loop_.after(run.left, [this, place = static_cast<std::size_t>(&run - runs_.data())] { end(place); });
 }
 
-void SimulatedLauncher::end(AttemptId attempt) {
-  auto node = runs_.extract(attempt);
-  Run& run = node.mapped();
+void SimulatedLauncher::end(std::size_t place) {
+  Run run = std::move(runs_[place]);  // what is told of its end may start the next one
+  place_of_.erase(run.attempt);
+  free_places_.push_back(place);
   settle(run);
   if (run.plan.at_end) run.plan.at_end();
   RunEnd end;
@@ -45,45 +61,43 @@ void SimulatedLauncher::end(AttemptId attempt) {
 }
 
 void SimulatedLauncher::signal(AttemptId attempt, int signal_number) {
-  const auto found = runs_.find(attempt);
-  if (found == runs_.end()) return;
-  Run& run = found->second;
-  settle(run);
-  run.suspended = false;
+  Run* run = find(attempt);
+  if (run == nullptr) return;
+  settle(*run);
+  run->suspended = false;
   if (signal_number == SIGKILL) return kill(attempt);
-  if (!run.plan.ignores_stop && run.plan.stop_after < run.left) {
-    run.left = run.plan.stop_after;
-    run.exit_code = run.plan.stop_exit_code;
+  if (!run->plan.ignores_stop && run->plan.stop_after < run->left) {
+    run->left = run->plan.stop_after;
+    run->exit_code = run->plan.stop_exit_code;
   }
-  arm(attempt, run);
+  arm(*run);
 }
 
 void SimulatedLauncher::kill(AttemptId attempt) {
-  const auto found = runs_.find(attempt);
-  if (found == runs_.end()) return;
-  Run& run = found->second;
-  settle(run);
-  run.suspended = false;
-  run.left = 0.0;
-  run.exit_code = -1;
-  run.signal = SIGKILL;
-  arm(attempt, run);
+  Run* run = find(attempt);
+  if (run == nullptr) return;
+  settle(*run);
+  run->suspended = false;
+  run->left = 0.0;
+  run->exit_code = -1;
+  run->signal = SIGKILL;
+  arm(*run);
 }
 
 void SimulatedLauncher::suspend(AttemptId attempt) {
-  const auto found = runs_.find(attempt);
-  if (found == runs_.end()) return;
-  settle(found->second);
-  found->second.suspended = true;
-  loop_.cancel(found->second.timer);
+  Run* run = find(attempt);
+  if (run == nullptr) return;
+  settle(*run);
+  run->suspended = true;
+  loop_.cancel(run->timer);
 }
 
 void SimulatedLauncher::resume(AttemptId attempt, const CoreSet&) {
-  const auto found = runs_.find(attempt);
-  if (found == runs_.end()) return;
-  settle(found->second);
-  found->second.suspended = false;
-  arm(attempt, found->second);
+  Run* run = find(attempt);
+  if (run == nullptr) return;
+  settle(*run);
+  run->suspended = false;
+  arm(*run);
 }
 
 Status SimulatedLauncher::set_aside(const Launch&, bool) { return {}; }

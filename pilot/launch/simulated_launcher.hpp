@@ -1,8 +1,9 @@
 // Starts nothing: tasks take the time a cost model says, on any event loop. The dry run and the tests use it.
 #pragma once
 
+#include <boost/unordered/unordered_flat_map.hpp>
 #include <functional>
-#include <unordered_map>
+#include <vector>
 
 #include "pilot/launch/launcher.hpp"
 #include "pilot/loop/event_loop.hpp"
@@ -33,6 +34,7 @@ class SimulatedLauncher final : public Launcher {
 
  private:
   struct Run {
+    AttemptId attempt;
     SimulatedRun plan;
     int cores = 0;
     double left = 0.0;   ///< running time still to come [s]
@@ -43,9 +45,10 @@ class SimulatedLauncher final : public Launcher {
     TimerId timer = TimerId::none;
     std::function<void(const RunEnd&)> ended;
   };
+  Run* find(AttemptId attempt);
   void settle(Run& run);
-  void arm(AttemptId attempt, Run& run);
-  void end(AttemptId attempt);
+  void arm(Run& run);
+  void end(std::size_t place);
 
   EventLoop& loop_;
   std::function<SimulatedRun(const TaskSpec&)> model_;
@@ -54,7 +57,9 @@ class SimulatedLauncher final : public Launcher {
       return static_cast<std::size_t>(id.task.value) * 31U + static_cast<std::size_t>(id.number);
     }
   };
-  std::unordered_map<AttemptId, Run, Hash> runs_;
+  std::vector<Run> runs_;  ///< in no order
+  std::vector<std::size_t> free_places_;
+  boost::unordered_flat_map<AttemptId, std::size_t, Hash> place_of_;
 };
 
 }  // namespace granary::pilot

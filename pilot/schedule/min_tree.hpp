@@ -22,7 +22,9 @@ class MinTree {
     values_[node] = value;
     while (node > 1) {
       node /= 2;
-      values_[node] = std::min(values_[2 * node], values_[2 * node + 1]);
+      const std::uint64_t smaller = std::min(values_[2 * node], values_[2 * node + 1]);
+      if (values_[node] == smaller) return;  // nor do its parents change
+      values_[node] = smaller;
     }
   }
   std::uint64_t at(int position) const {

@@ -56,7 +56,7 @@ ReadyQueue::Group& ReadyQueue::group_for(const Key& key) {
   if (first_there) site->second.first.fill(MinTree::kNone);
   group.site = &site->second;
   group.peers = &group.site->groups[key.bucket];
-  group.peers->push_back(&group);
+  group.place = group.peers->count++;
   return group;
 }
 
@@ -66,8 +66,7 @@ void ReadyQueue::insert(const Task& task, const Layout& layout) {
   group_of_[index(task.id)] = &group;
   ++size_;
   const std::uint64_t number = number_of(task);
-  group.turns.push_back(number);
-  std::push_heap(group.turns.begin(), group.turns.end(), std::greater<>());
+  group.turns.push(number);
   if (group.first() == number) refresh(group);
 }
 
@@ -76,10 +75,7 @@ void ReadyQueue::erase(const Task& task) {
   Group& group = *std::exchange(group_of_[index(task.id)], nullptr);
   --size_;
   if (group.first() != number_of(task)) return;
-  while (!group.turns.empty() && group_of_[index(*task_of(group.first()))] != &group) {
-    std::pop_heap(group.turns.begin(), group.turns.end(), std::greater<>());
-    group.turns.pop_back();
-  }
+  while (!group.turns.empty() && group_of_[index(*task_of(group.first()))] != &group) group.turns.pop();
   refresh(group);
 }
 
@@ -87,10 +83,8 @@ void ReadyQueue::erase(const Task& task) {
 void ReadyQueue::refresh(const Group& group) {
   Level& level = levels_[static_cast<std::size_t>(group.layout.small)];
   const int nodes = group.layout.nodes;
-  std::uint64_t first = MinTree::kNone;
-  for (const Group* peer : *group.peers) {
-    if (!peer->passed) first = std::min(first, peer->first());
-  }
+  group.peers->first.set(group.place, group.passed ? MinTree::kNone : group.first());
+  const std::uint64_t first = group.peers->first.smallest();
   std::uint64_t& now = group.site->first[static_cast<std::size_t>(group.bucket)];
   if (first == now) return;
   now = first;

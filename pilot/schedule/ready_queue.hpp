@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <boost/heap/d_ary_heap.hpp>
 #include <deque>
 #include <functional>
 #include <map>
@@ -42,22 +43,31 @@ class ReadyQueue {
  private:
   // Durations by powers of 2 [s]: bucket b holds those up to 2^(b-4); the last one those that are unknown or longer.
   static constexpr int kBuckets = 28;
+  /// Turns as numbers, the first on top. What was erased behind it stays until it comes to the top. Each node of the
+  /// heap lies with its brothers in one line of the cache.
+  using Turns =
+      boost::heap::d_ary_heap<std::uint64_t, boost::heap::arity<8>, boost::heap::compare<std::greater<std::uint64_t>>>;
+  /// The groups of one site and bucket.
+  struct Peers {
+    int count = 0;
+    MinTree first;  ///< turn of each; none: passed over
+  };
   struct Site;
   struct Group {
     Layout layout;
     int bucket = 0;
     bool passed = false;
-    /// A heap of turns as numbers, the first in front. What was erased behind it stays until it comes to the front.
-    std::vector<std::uint64_t> turns;
+    Turns turns;
     Site* site = nullptr;
-    std::vector<Group*>* peers = nullptr;  ///< of the same site and bucket, itself among them
+    Peers* peers = nullptr;
+    int place = 0;  ///< among its peers
 
-    std::uint64_t first() const { return turns.empty() ? MinTree::kNone : turns.front(); }
+    std::uint64_t first() const { return turns.empty() ? MinTree::kNone : turns.top(); }
   };
   /// The groups of as many cores a node on as many nodes.
   struct Site {
     std::array<std::uint64_t, kBuckets> first;  ///< turn by bucket
-    std::map<int, std::vector<Group*>> groups;  ///< by bucket
+    std::map<int, Peers> groups;                ///< by bucket
   };
   struct Key {
     Layout layout;

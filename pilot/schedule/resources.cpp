@@ -29,19 +29,29 @@ Resources::Resources(Machine machine)
       reserved_idle_(spare_idle_),
       reserved_all_(spare_idle_) {
   for (std::size_t node = 0; node < machine_.nodes.size(); ++node) {
-    first_core_.push_back(static_cast<int>(node_of_.size()));
-    node_of_.insert(node_of_.end(), machine_.nodes[node].cpus.size(), static_cast<int>(node));
+    first_core_.push_back(static_cast<int>(use_.size()));
+    use_.insert(use_.end(), machine_.nodes[node].cpus.size(), Use::idle);
     NodeState state;
     state.idle = static_cast<int>(machine_.nodes[node].cpus.size());
     nodes_.push_back(state);
   }
-  first_core_.push_back(static_cast<int>(node_of_.size()));
-  holder_.assign(node_of_.size(), TaskId{});
-  use_.assign(node_of_.size(), Use::idle);
-  end_.assign(node_of_.size(), 0.0);
-  claimed_.assign(node_of_.size(), false);
-  n_free_ = static_cast<int>(holder_.size());
+  first_core_.push_back(static_cast<int>(use_.size()));
+  number_cores();
+  hold_on_.assign(use_.size(), -1);
+  claimed_.assign(use_.size(), false);
+  n_free_ = n_cores();
   for (int node = 0; node < n_nodes(); ++node) reindex(node);
+}
+
+/// How node_of() finds its answer.
+void Resources::number_cores() {
+  const int largest = machine_.largest_node();
+  if (largest * n_nodes() == n_cores()) {
+    cores_each_ = largest;
+    return;
+  }
+  for (int node = 0; node < n_nodes(); ++node)
+    node_of_.insert(node_of_.end(), machine_.nodes[index(node)].cpus.size(), node);
 }
 
 const Hold* Resources::held_by(TaskId id) const {
@@ -113,10 +123,6 @@ void Resources::set_use(const CoreSet& cores, Use from, Use to) {
 void Resources::take(TaskId id, Hold hold) {
   hold.cores.for_each([&](int core) { GRANARY_ASSERT(is_free(core), core); });
   set_use(hold.cores, Use::idle, hold.lends ? Use::lent : Use::taken);
-  hold.cores.for_each_stretch([&](const CoreSet::Stretch& stretch) {
-    std::fill_n(holder_.begin() + stretch.first, stretch.count, id);
-    std::fill_n(end_.begin() + stretch.first, stretch.count, hold.end);
-  });
   n_free_ -= hold.cores.size();
   if (hold.memory > 0 && !hold.cores.empty() && memory_of_.count(id.value) == 0) {
     auto& shares = memory_of_[id.value];
@@ -131,9 +137,13 @@ void Resources::take(TaskId id, Hold hold) {
     free_holds_.push_back(static_cast<int>(holds_.size()));
     holds_.emplace_back();
   }
-  holds_[index(free_holds_.back())] = std::move(hold);
-  hold_of_[index(id.value)] = free_holds_.back();
+  const int place = free_holds_.back();
   free_holds_.pop_back();
+  hold.cores.for_each_stretch(
+      [&](const CoreSet::Stretch& stretch) { std::fill_n(hold_on_.begin() + stretch.first, stretch.count, place); });
+  hold.task = id;
+  holds_[index(place)] = std::move(hold);
+  hold_of_[index(id.value)] = place;
 }
 
 void Resources::release(TaskId id, bool keep_memory) {
@@ -208,8 +218,16 @@ double Resources::free_at(int node, int count, bool empty) const {
   thread_local std::vector<double> ends;
   ends.clear();
   for (int core = first_core(node); core < end_core(node); ++core) {
-    const Use use = use_[index(core)];
-    ends.push_back(use == Use::idle || use == Use::lent ? 0.0 : end_[index(core)]);
+    switch (use_[index(core)]) {
+      case Use::taken:
+        ends.push_back(hold_on(core).end);
+        break;
+      case Use::claimed:  // by somebody who has not even begun
+        ends.push_back(std::numeric_limits<double>::infinity());
+        break;
+      default:
+        ends.push_back(0.0);
+    }
   }
   if (empty) return *std::max_element(ends.begin(), ends.end());
   const auto nth = ends.begin() + (count - 1);

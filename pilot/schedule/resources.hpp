@@ -20,6 +20,7 @@ struct Hold {
   std::int64_t memory = 0;  ///< bytes a core; 0: not counted
   double end = 0.0;         ///< when it is expected to leave them [s]; infinity: unknown
   bool lends = false;       ///< a filler: gives way to any ready task
+  TaskId task;              ///< whose it is; take() notes it
 };
 
 class Resources {
@@ -27,17 +28,20 @@ class Resources {
   explicit Resources(Machine machine);
 
   const Machine& machine() const { return machine_; }
-  int n_cores() const { return static_cast<int>(holder_.size()); }
+  int n_cores() const { return static_cast<int>(use_.size()); }
   int n_nodes() const { return static_cast<int>(first_core_.size()) - 1; }
   int n_free() const { return n_free_; }
   int n_down() const { return n_down_; }
   int n_lent() const { return n_lent_; }  ///< cores of fillers that give way
-  int node_of(int core) const { return node_of_[static_cast<std::size_t>(core)]; }
+  int node_of(int core) const {
+    // On equal nodes nothing is looked up: of hundreds of thousands of cores no table stays in the cache.
+    return cores_each_ > 0 ? core / cores_each_ : node_of_[static_cast<std::size_t>(core)];
+  }
   int first_core(int node) const { return first_core_[static_cast<std::size_t>(node)]; }
   int end_core(int node) const { return first_core_[static_cast<std::size_t>(node) + 1]; }
   bool is_up(int node) const { return nodes_[static_cast<std::size_t>(node)].up; }
   /// The task on a core; nobody's id if it is free.
-  TaskId holder(int core) const { return is_free(core) ? TaskId{} : holder_[static_cast<std::size_t>(core)]; }
+  TaskId holder(int core) const { return is_free(core) ? TaskId{} : hold_on(core).task; }
   bool is_free(int core) const {
     const Use use = use_[static_cast<std::size_t>(core)];
     return use == Use::idle || use == Use::claimed;
@@ -96,17 +100,21 @@ class Resources {
     std::int64_t reserved_memory = 0, memory_taken = 0;  ///< [bytes]
   };
 
+  const Hold& hold_on(int core) const {
+    return holds_[static_cast<std::size_t>(hold_on_[static_cast<std::size_t>(core)])];
+  }
   void set_use(int core, Use use);
   void reindex(int node);
+  void number_cores();
   void set_use(const CoreSet& cores, Use from, Use to);
   Hold* find(TaskId id);
 
   Machine machine_;
-  std::vector<int> node_of_;     ///< by core
+  int cores_each_ = 0;           ///< of every node; 0: they are not equal
+  std::vector<int> node_of_;     ///< by core, if they are not
   std::vector<int> first_core_;  ///< by node, and the end
   std::vector<Use> use_;         ///< by core
-  std::vector<TaskId> holder_;   ///< by core; of a free one: who had it last, as below
-  std::vector<double> end_;      ///< by core: when its holder is expected to leave it
+  std::vector<int> hold_on_;     ///< by core: its place in holds_; of a free one: of nobody's concern
   std::vector<bool> claimed_;    ///< by core
   std::vector<NodeState> nodes_;
   NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;

@@ -13,7 +13,7 @@ namespace granary::pilot {
 ///   waiting -> ready -> running <-> suspended (fillers)
 ///                          |
 ///                          +-> finished | failed | stopped;   lost and failed with retries left: back to ready
-enum class TaskState { waiting, ready, running, suspended, finished, failed, stopped, lost };
+enum class TaskState : char { waiting, ready, running, suspended, finished, failed, stopped, lost };
 
 std::string_view name_of(TaskState state);
 inline bool has_ended(TaskState state) {

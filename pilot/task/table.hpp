@@ -1,9 +1,9 @@
 // All tasks of a campaign, their attempts and their dependencies. Only task/update changes it.
 #pragma once
 
+#include <boost/container/deque.hpp>
 #include <boost/container/small_vector.hpp>
 #include <boost/unordered/unordered_flat_map.hpp>
-#include <deque>
 #include <optional>
 #include <set>
 #include <string>
@@ -24,35 +24,36 @@ struct Piece {
 };
 
 struct Attempt {
-  int number = 0;  ///< from 1
-  boost::container::small_vector<Piece, 1> pieces;
+  int number = 0;                          ///< from 1
   TaskState outcome = TaskState::running;  ///< running (or suspended) until it has ended
-  double start = 0.0, end = 0.0;           ///< [s]; `end` once it has ended
+  boost::container::small_vector<Piece, 1> pieces;
+  double start = 0.0, end = 0.0;  ///< [s]; `end` once it has ended
   int exit_code = -1, signal = 0;
   double cpu_s = 0.0;
-  std::string reason;  ///< why it failed, was stopped or lost
   int pid = 0;
   std::uint64_t start_ticks = 0;
+  std::string reason;  ///< why it failed, was stopped or lost
 
   /// Seconds it ran by `now`, without suspensions.
   double ran(double now) const;
 };
 
 /// Why a running attempt is being ended by us.
-enum class Ending { none, stop, stop_resumable, timeout, preempt, lost };
+enum class Ending : char { none, stop, stop_resumable, timeout, preempt, lost };
 
+/// What is looked at often comes first: of a million tasks only few lie in the cache.
 struct Task {
   TaskId id;
-  TaskSpec spec;
   TaskState state = TaskState::waiting;
-  int unmet = 0;  ///< dependencies that have not finished
-  std::vector<TaskId> dependents;
-  boost::container::small_vector<Attempt, 1> attempts;
-  int failures = 0;  ///< attempts that failed by themselves or by timeout
   Ending ending = Ending::none;
-  std::string reason;      ///< why it is being stopped; of an ended task: why it failed or was stopped
   bool resumable = false;  ///< stopped by stop_all()
+  int unmet = 0;           ///< dependencies that have not finished
+  int failures = 0;        ///< attempts that failed by themselves or by timeout
   double ended = 0.0;      ///< when it ended for good [s]
+  boost::container::small_vector<Attempt, 1> attempts;
+  std::vector<TaskId> dependents;
+  std::string reason;  ///< why it is being stopped; of an ended task: why it failed or was stopped
+  TaskSpec spec;
 
   const Attempt& last() const { return attempts.back(); }
   AttemptId attempt_id() const { return {id, attempts.empty() ? 0 : attempts.back().number}; }
@@ -68,7 +69,9 @@ struct Turn {
 };
 
 struct Table {
-  std::deque<Task> tasks;  ///< by id; they stay where they are
+  using Tasks =
+      boost::container::deque<Task, void, boost::container::deque_options_t<boost::container::block_size<64>>>;
+  Tasks tasks;  ///< by id; they stay where they are
   boost::unordered_flat_map<std::string, TaskId> by_name;
   // Indices of `tasks` by state, so that nothing walks through all of them.
   NumberSet running_ids;
