@@ -11,13 +11,13 @@ NodeIndex::NodeIndex(int n_nodes, int largest)
 }
 
 void NodeIndex::set(int node, int count) {
-  int& now = count_[static_cast<std::size_t>(node)];
+  const int now = count_[static_cast<std::size_t>(node)];
   if (now == count) return;
   nodes_[static_cast<std::size_t>(now)].erase(node);
   nodes_[static_cast<std::size_t>(count)].insert(node);
   for (int c = now + 1; c <= count; ++c) ++at_least_[static_cast<std::size_t>(c)];
   for (int c = count + 1; c <= now; ++c) --at_least_[static_cast<std::size_t>(c)];
-  now = count;
+  count_[static_cast<std::size_t>(node)] = count;
 }
 
 }  // namespace granary::pilot

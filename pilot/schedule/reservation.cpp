@@ -21,7 +21,7 @@ void Scheduler::reserve_for(const Task& task) {
     for (int node = nodes.next(count, 0); node >= 0 && candidates.size() < enough; node = nodes.next(count, node + 1)) {
       const int size = resources_.end_core(node) - resources_.first_core(node);
       if (!resources_.is_up(node) || size < layout.small) continue;
-      const bool lacks_memory = resources_.free_memory(node) < layout.memory * layout.large;
+      const bool lacks_memory = layout.memory > 0 && resources_.free_memory(node) < layout.memory * layout.large;
       const double at = resources_.free_at(node, std::min(size, layout.large), lacks_memory);
       candidates.push_back({at, node});
     }
@@ -49,9 +49,7 @@ void Scheduler::reserve_for(const Task& task) {
 void Scheduler::improve_reservation() {
   const Layout& layout = ready_.layout(reservation_->task);
   for (Reservation::Part& part : reservation_->parts) {
-    if (resources_.available(part.node) >= part.cores &&
-        resources_.free_memory(part.node) >= layout.memory * part.cores)
-      continue;
+    if (resources_.has(part.node, part.cores, layout.memory)) continue;
     const auto other = places(Layout{1, part.cores, part.cores, 1, layout.memory}, false, resources_.spare(), false);
     // A node of the reservation itself may have more than it keeps; it cannot be promised twice.
     if (!other || resources_.reserved(other->front().node) > 0) continue;
@@ -88,8 +86,7 @@ void Scheduler::promise(Reservation reservation, const Layout& layout) {
 bool Scheduler::reservation_is_complete() const {
   const Layout& layout = ready_.layout(reservation_->task);
   return std::all_of(reservation_->parts.begin(), reservation_->parts.end(), [&](const Reservation::Part& part) {
-    return resources_.available(part.node) >= part.cores &&
-           resources_.free_memory(part.node) >= layout.memory * part.cores;
+    return resources_.has(part.node, part.cores, layout.memory);
   });
 }
 

@@ -34,6 +34,7 @@ Resources::Resources(Machine machine)
     NodeState state;
     state.idle = static_cast<int>(machine_.nodes[node].cpus.size());
     nodes_.push_back(state);
+    memory_.push_back({machine_.nodes[node].memory_bytes, 0, 0});
   }
   first_core_.push_back(static_cast<int>(use_.size()));
   number_cores();
@@ -62,12 +63,11 @@ const Hold* Resources::held_by(TaskId id) const {
 Hold* Resources::find(TaskId id) { return const_cast<Hold*>(held_by(id)); }
 
 std::int64_t Resources::free_memory(int node) const {
-  const std::int64_t all = machine_.nodes[index(node)].memory_bytes;
-  if (all == 0) return std::numeric_limits<std::int64_t>::max();
-  return all - nodes_[index(node)].memory_taken;
+  const NodeMemory& memory = memory_[index(node)];
+  return memory.all == 0 ? std::numeric_limits<std::int64_t>::max() : memory.all - memory.taken;
 }
 
-std::int64_t Resources::spare_memory(int node) const { return free_memory(node) - nodes_[index(node)].reserved_memory; }
+std::int64_t Resources::spare_memory(int node) const { return free_memory(node) - memory_[index(node)].reserved; }
 
 int Resources::available(int node) const {
   const NodeState& state = nodes_[index(node)];
@@ -130,7 +130,7 @@ void Resources::take(TaskId id, Hold hold) {
       if (shares.empty() || shares.back().first != node_of(core)) shares.emplace_back(node_of(core), 0);
       shares.back().second += hold.memory;
     });
-    for (const auto& [where, bytes] : shares) nodes_[index(where)].memory_taken += bytes;
+    for (const auto& [where, bytes] : shares) memory_[index(where)].taken += bytes;
   }
   if (hold_of_.size() <= index(id.value)) hold_of_.resize(std::max(index(id.value) + 1, 2 * hold_of_.size()), -1);
   if (free_holds_.empty()) {
@@ -155,7 +155,7 @@ void Resources::release(TaskId id, bool keep_memory) {
   if (keep_memory || memory_of_.empty()) return;
   if (const auto memory = memory_of_.find(id.value); memory != memory_of_.end()) {
     for (const auto& [node, bytes] : memory->second) {
-      nodes_[index(node)].memory_taken -= bytes;
+      memory_[index(node)].taken -= bytes;
       gained_.push_back(node);
     }
     memory_of_.erase(memory);
@@ -208,7 +208,7 @@ void Resources::unclaim(const CoreSet& cores) {
 
 void Resources::reserve(int node, int count, std::int64_t memory) {
   nodes_[index(node)].reserved = count;
-  nodes_[index(node)].reserved_memory = memory;
+  memory_[index(node)].reserved = memory;
   reindex(node);
 }
 

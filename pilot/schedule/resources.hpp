@@ -83,6 +83,10 @@ class Resources {
   int idle(int node) const { return nodes_[static_cast<std::size_t>(node)].idle; }
   /// Idle or a filler's, whatever is reserved.
   int available(int node) const;
+  /// Whether so many available cores are there, with so much memory for each [bytes].
+  bool has(int node, int cores, std::int64_t memory) const {
+    return available(node) >= cores && (memory == 0 || free_memory(node) >= memory * cores);
+  }
 
   /// When `count` cores of the node (and all its memory, if `empty`) will be available, by the expected ends [s];
   /// 0: now.
@@ -97,7 +101,9 @@ class Resources {
     bool reserved_before = false;  ///< when its place in the indices was looked at last
     int idle = 0, lent = 0;        ///< cores
     int reserved = 0;
-    std::int64_t reserved_memory = 0, memory_taken = 0;  ///< [bytes]
+  };
+  struct NodeMemory {
+    std::int64_t all = 0, taken = 0, reserved = 0;  ///< [bytes]
   };
 
   const Hold& hold_on(int core) const {
@@ -117,6 +123,7 @@ class Resources {
   std::vector<int> hold_on_;     ///< by core: its place in holds_; of a free one: of nobody's concern
   std::vector<bool> claimed_;    ///< by core
   std::vector<NodeState> nodes_;
+  std::vector<NodeMemory> memory_;  ///< by node; few tasks ask for it
   NodeIndex spare_idle_, spare_, reserved_idle_, reserved_all_;
   int n_free_ = 0, n_down_ = 0, n_claimed_ = 0, n_lent_ = 0;
   std::vector<int> gained_;

@@ -15,12 +15,12 @@ class Step {
   Step(Table& table, double time, std::vector<Action>& actions) : table_(table), time_(time), actions_(actions) {}
 
   void operator()(Submitted&& event) {
-    Task task;
-    task.id = event.id;
-    task.spec = std::move(event.spec);
-    if (!add(std::move(task))) return;
+    if (!table_.by_name.try_emplace(event.spec.name, event.id).second) return;
+    Task& added = table_.tasks.emplace_back();
+    added.id = event.id;
+    added.spec = std::move(event.spec);
+    count_dependencies(added);
     ++table_.n_waiting;
-    Task& added = table_.at(event.id);
     const auto fails = [this](const std::string& name) { return never_finishes(*table_.find(name)); };
     const auto hopeless = std::find_if(added.spec.after.begin(), added.spec.after.end(), fails);
     if (hopeless != added.spec.after.end()) {
@@ -32,11 +32,12 @@ class Step {
   }
 
   void operator()(Restored&& event) {
-    const TaskId id = event.task.id;
-    if (!add(std::move(event.task))) return;
-    table_.n_waiting += table_.at(id).state == TaskState::waiting;
-    table_.n_ready += table_.at(id).state == TaskState::ready;
-    table_.changed.push_back(id);
+    if (!table_.by_name.try_emplace(event.task.spec.name, event.task.id).second) return;
+    Task& task = table_.tasks.emplace_back(std::move(event.task));
+    count_dependencies(task);
+    table_.n_waiting += task.state == TaskState::waiting;
+    table_.n_ready += task.state == TaskState::ready;
+    table_.changed.push_back(task.id);
   }
 
   void operator()(Placed&& event) {
@@ -186,18 +187,15 @@ class Step {
   }
 
  private:
-  /// Behind all others, with its dependencies counted. False: one of its name is there.
-  bool add(Task task) {
-    if (!table_.by_name.try_emplace(task.spec.name, task.id).second) return false;
-    GRANARY_ASSERT(task.id.value == static_cast<int>(table_.tasks.size()));
+  /// Counts the dependencies of the newest of all.
+  void count_dependencies(Task& task) {
+    GRANARY_ASSERT(task.id.value + 1 == static_cast<int>(table_.tasks.size()));
     for (const std::string& name : task.spec.after) {
       const Task* before = table_.find(name);
       GRANARY_ASSERT(before != nullptr, name);
       if (before->state != TaskState::finished) ++task.unmet;
       table_.at(before->id).dependents.push_back(task.id);
     }
-    table_.tasks.push_back(std::move(task));
-    return true;
   }
 
   /// The task, if this attempt is the one that runs or is suspended.
