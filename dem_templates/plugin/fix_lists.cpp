@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <atom.h>
@@ -14,6 +15,7 @@
 #include <neighbor.h>
 #include <update.h>
 
+#include "dem_templates/plugin/cell_neighbor.hpp"
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
@@ -42,7 +44,10 @@ FixLists::FixLists(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps
   global_freq = 1;
 }
 
-FixLists::~FixLists() { neighbor->delay = delay_; }
+FixLists::~FixLists() {
+  neighbor->delay = delay_;
+  cell_neighbor(*lmp).moved(std::numeric_limits<double>::infinity());
+}
 
 int FixLists::setmask() { return LAMMPS_NS::FixConst::POST_INTEGRATE | LAMMPS_NS::FixConst::PRE_FORCE; }
 
@@ -74,6 +79,7 @@ void FixLists::start() {
   const double* const places = n > 0 ? atom->x[0] : nullptr;
   frame_.start(places, n);
   angle_ = 0.0;
+  cell_neighbor(*lmp).moved(0.0);
   if (!may_turn()) return;
 
   const double* const velocities = n > 0 ? atom->v[0] : nullptr;
@@ -91,9 +97,10 @@ void FixLists::start() {
 void FixLists::post_integrate() {
   angle_ += rate_ * update->dt;
   const auto n = static_cast<std::size_t>(atom->nlocal);
-  int moved = frame_.any_moved(n > 0 ? atom->x[0] : nullptr, n, angle_, 0.5 * neighbor->skin) ? 1 : 0;
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPI_INT, MPI_MAX, world);
-  if (moved != 0) next_reneighbor = update->ntimestep;
+  double moved = frame_.farthest_moved(n > 0 ? atom->x[0] : nullptr, n, angle_);
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPI_DOUBLE, MPI_MAX, world);
+  if (moved >= 0.5 * neighbor->skin) next_reneighbor = update->ntimestep;
+  cell_neighbor(*lmp).moved(moved);
 }
 
 }  // namespace granary::dem

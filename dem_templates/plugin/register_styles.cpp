@@ -1,8 +1,10 @@
 #include "dem_templates/plugin/register_styles.hpp"
 
+#include <force.h>
 #include <lammps.h>
 #include <modify.h>
 
+#include "dem_templates/plugin/cell_neighbor.hpp"
 #include "dem_templates/plugin/fix_agglomerates.hpp"
 #include "dem_templates/plugin/fix_balance.hpp"
 #include "dem_templates/plugin/fix_bond.hpp"
@@ -12,6 +14,7 @@
 #include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_skin.hpp"
 #include "dem_templates/plugin/fix_tally.hpp"
+#include "dem_templates/plugin/pair_touching.hpp"
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace {
@@ -28,6 +31,10 @@ template struct Reach<&LAMMPS_NS::Modify::fix_map>;
 template <class Style>
 LAMMPS_NS::Fix* create(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   return new Style(lammps, narg, arg);
+}
+template <class Style>
+LAMMPS_NS::Pair* create_pair(LAMMPS_NS::LAMMPS* lammps) {
+  return new Style(lammps);
 }
 
 }  // namespace
@@ -46,6 +53,9 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/skin"] = create<FixSkin>;
   styles["granary/tally"] = create<FixTally>;
   styles["granary/wall"] = create<FixWall>;
+
+  use_cell_neighbor(lammps);
+  (*lammps.force->pair_map)["gran"] = create_pair<PairTouching>;
 }
 
 }  // namespace granary::dem

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "tests/liggghts/plugin_deck.hpp"
+#include "tests/liggghts/wall_deck.hpp"
 
 namespace granary::dem::test {
 namespace {
@@ -64,6 +65,40 @@ TEST(Lists, AreMadeAtTheSameStepsOnTwoRanks) {
 
   EXPECT_EQ(collisions(Counted(folder), 0), collisions(one, 0));
   EXPECT_NEAR(lists_made(folder), made, 0.05 * made + 1.0);
+}
+
+/// A dense cloud of sizes 1:5 in a box that goes on at its other side: pairs across it, with spin by friction.
+std::string cloud(const std::string& more = "") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0.0, 1.0), way(-1.0, 1.0);
+  std::vector<TestParticle> list;
+  for (int k = 0; k < 216; ++k) {
+    const double diameter = k % 4 == 0 ? 0.0045 : 0.0009 + 0.002 * unit(random);
+    list.push_back({0.0025 + 0.005 * (k % 6), 0.0025 + 0.005 * (k / 6 % 6), 0.0025 + 0.005 * (k / 36), way(random),
+                    way(random), way(random), diameter});
+  }
+  return head("0 0.03 0 0.03 0 0.03", "p p p") + physics(0.8, 0.4, 2e-6, 0.001) + particles(list) + more +
+         run(1500, 250);
+}
+
+/// Particles that a force acts on.
+int touching(const Frame& frame) {
+  int n = 0;
+  for (const auto& [id, state] : frame) n += state.force[0] != 0.0 ? 1 : 0;
+  return n;
+}
+
+TEST(Lists, OfOursGiveThePathsThatLiggghtsItselfGives) {
+  const Folder folder;
+  folder.write("in.stock", cloud());
+  ASSERT_EQ(shell(folder, "liggghts -in in.stock"), 0) << folder.read("err");
+  const auto stock = read_dump(folder);
+  ASSERT_EQ(stock.size(), 7u);
+  ASSERT_GT(touching(stock.back()), 20);
+  ASSERT_EQ(run_deck(folder, cloud()), 0) << folder.read("err");
+  EXPECT_LT(difference(read_dump(folder), stock), 1e-9);
+  ASSERT_EQ(run_deck(folder, "processors 2 1 1\n" + cloud(kLists), 2), 0) << folder.read("err");
+  EXPECT_LT(difference(read_dump(folder), stock), 1e-9);
 }
 
 TEST(Lists, RefuseMeshesThatLiggghtsMoves) {

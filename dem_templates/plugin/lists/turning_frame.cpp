@@ -1,7 +1,10 @@
 #include "dem_templates/plugin/lists/turning_frame.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace granary::dem {
 namespace {
@@ -10,20 +13,22 @@ struct Then {
   const double *a, *b, *c;
 };
 
-// Every particle comes through here in every step: written so that the compiler can take several at once.
-[[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]] bool any_moved_by(const double* a,
-                                                                                        const double* b,
-                                                                                        const double* c, std::size_t n,
-                                                                                        const Then& then, double cosine,
-                                                                                        double sine, double room2) {
-  long within = 0;
+// Every particle comes through here in every step: written so that the compiler can take several at once. Numbers that
+// are not negative are in the order of their bits, and what is no number comes last.
+[[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]] double farthest2(const double* a, const double* b,
+                                                                                       const double* c, std::size_t n,
+                                                                                       const Then& then, double cosine,
+                                                                                       double sine) {
+  std::int64_t farthest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double da = a[3 * i] - then.a[i];
     const double db = b[3 * i] - (cosine * then.b[i] - sine * then.c[i]);
     const double dc = c[3 * i] - (sine * then.b[i] + cosine * then.c[i]);
-    within += da * da + db * db + dc * dc < room2 ? 1 : 0;
+    const double moved2 = da * da + db * db + dc * dc;
+    const std::int64_t bits = std::bit_cast<std::int64_t>(moved2) & std::numeric_limits<std::int64_t>::max();
+    farthest = farthest > bits ? farthest : bits;
   }
-  return within != static_cast<long>(n);
+  return std::bit_cast<double>(farthest);
 }
 
 }  // namespace
@@ -37,11 +42,13 @@ void TurningFrame::start(const double* places, std::size_t n) {
   }
 }
 
-bool TurningFrame::any_moved(const double* places, std::size_t n, double angle, double room) const {
-  if (n != at_a_.size()) return true;
-  if (n == 0) return false;
-  return any_moved_by(places + a_, places + b_, places + c_, n, {at_a_.data(), at_b_.data(), at_c_.data()},
-                      std::cos(angle), std::sin(angle), room * room);
+double TurningFrame::farthest_moved(const double* places, std::size_t n, double angle) const {
+  constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
+  if (n != at_a_.size()) return kBeyondAll;
+  if (n == 0) return 0.0;
+  const double moved2 = farthest2(places + a_, places + b_, places + c_, n, {at_a_.data(), at_b_.data(), at_c_.data()},
+                                  std::cos(angle), std::sin(angle));
+  return std::isnan(moved2) ? kBeyondAll : std::sqrt(moved2);
 }
 
 // |v - w e x r|^2 = |v|^2 - 2 w e . (r x v) + w^2 |e x r|^2

@@ -22,9 +22,9 @@ class TurningFrame {
 
   /// The list is made now. places: x y z of each particle [m].
   void start(const double* places, std::size_t n);
-  /// Whether any of the n particles (as many, in the same order) has moved by `room` [m] in the frame, which has turned
-  /// by `angle` since then [rad]. What is no number has.
-  bool any_moved(const double* places, std::size_t n, double angle, double room) const;
+  /// How far the one of the n particles (as many, in the same order) that has moved farthest in the frame has [m]. The
+  /// frame has turned by `angle` since then [rad]. Infinite where a place is no number, or there are more or fewer.
+  double farthest_moved(const double* places, std::size_t n, double angle) const;
 
   /// Squares of the largest speed that a particle has now in a frame turning at each of the rates [m^2/s^2].
   std::vector<double> largest_speeds2(const double* places, const double* velocities, std::size_t n,

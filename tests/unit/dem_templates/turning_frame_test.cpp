@@ -56,7 +56,7 @@ int steps_of_a_list(Bed bed, double rate) {
   const Bed then = bed;
   for (int step = 1;; ++step) {
     bed.move();
-    if (frame.any_moved(bed.places.data(), bed.n(), step * kStep * rate, 0.5 * kSkin)) return step;
+    if (frame.farthest_moved(bed.places.data(), bed.n(), step * kStep * rate) >= 0.5 * kSkin) return step;
     for (std::size_t i = 0; i < bed.n(); ++i)
       for (std::size_t j = 0; j < i; ++j) EXPECT_GT(bed.distance(i, j), then.distance(i, j) - kSkin);
   }
@@ -74,14 +74,16 @@ TEST(TurningFrame, LetsAListLastLongerBetweenThoseThatStandAndThoseThatTurn) {
   EXPECT_LT(std::sqrt(speeds2[1]), 0.6 * std::sqrt(speeds2[0]));
 }
 
-TEST(TurningFrame, HasMovedWhereParticlesAreOthersOrNoNumbers) {
+TEST(TurningFrame, HasMovedBeyondAllWhereParticlesAreOthersOrNoNumbers) {
   Bed bed(0.0);
   TurningFrame frame(0);
   frame.start(bed.places.data(), bed.n());
-  EXPECT_FALSE(frame.any_moved(bed.places.data(), bed.n(), 0.0, 1e-9));
-  EXPECT_TRUE(frame.any_moved(bed.places.data(), bed.n() - 1, 0.0, 1.0));
+  EXPECT_EQ(frame.farthest_moved(bed.places.data(), bed.n(), 0.0), 0.0);
+  EXPECT_TRUE(std::isinf(frame.farthest_moved(bed.places.data(), bed.n() - 1, 0.0)));
+  bed.places[10] += 3e-3;
+  EXPECT_DOUBLE_EQ(frame.farthest_moved(bed.places.data(), bed.n(), 0.0), 3e-3);
   bed.places[7] = std::nan("");
-  EXPECT_TRUE(frame.any_moved(bed.places.data(), bed.n(), 0.0, 1.0));
+  EXPECT_TRUE(std::isinf(frame.farthest_moved(bed.places.data(), bed.n(), 0.0)));
 }
 
 }  // namespace
