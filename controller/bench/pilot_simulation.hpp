@@ -33,6 +33,9 @@ struct SimulationRun {
 /// predecessor. The journal is written to a file in `dir`, which is removed. Error: the journal cannot be written.
 Result<SimulationRun> simulate_pilot(const SimulationSize& size, const std::filesystem::path& dir);
 
+/// Likewise; what takes milliseconds is run several times, and the one in the middle by its CPU time counts.
+Result<SimulationRun> simulate_pilot_steadily(const SimulationSize& size, const std::filesystem::path& dir);
+
 /// "nodes=100,cores=64,tasks=1000". Error: anything else.
 Result<SimulationSize> parse_simulation_size(const std::string& text);
 

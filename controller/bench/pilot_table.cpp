@@ -15,6 +15,18 @@ std::string percent(const Value& share) {
   return share.is_number() ? fmt::format("{:.1f} %", 100.0 * share.as_number()) : "-";
 }
 
+std::string core_use_rows(const Value& d, const std::string& key, const std::string& program) {
+  std::string text = fmt::format("core use, tasks of {}\n", program);
+  for (const auto& [seconds, target] : {std::pair{"0.5", ">= 99 %"}, {"0.1", ">= 98 %"}, {"0.01", ">= 90 %"}}) {
+    text += row(fmt::format("  of {} s", seconds), percent(d[key][seconds]), target);
+    text += row("    bare posix_spawn; processes prepared",
+                fmt::format("{}; {}", percent(d[key + "_of_bare_starts"][seconds]),
+                            percent(d[key + "_of_prepared_starts"][seconds])),
+                "");
+  }
+  return text;
+}
+
 std::string local_table(const Value& d) {
   std::string text = fmt::format("This machine, {} core(s)\n", d.integer_or("cores", 0));
   text += row("", "measured", "target");
@@ -28,13 +40,8 @@ std::string local_table(const Value& d) {
       "dispatch: core freed to next program, p50 / p99",
       fmt::format("{:.2f} / {:.2f} ms", d["dispatch_ms"].number_or("p50", 0.0), d["dispatch_ms"].number_or("p99", 0.0)),
       "<= 1 / 5 ms");
-  for (const auto& [seconds, target] : {std::pair{"0.5", ">= 99 %"}, {"0.1", ">= 98 %"}, {"0.01", ">= 90 %"}}) {
-    text += row(fmt::format("core use, tasks of {} s", seconds), percent(d["core_use"][seconds]), target);
-    text += row("  bare posix_spawn; processes prepared",
-                fmt::format("{}; {}", percent(d["core_use_of_bare_starts"][seconds]),
-                            percent(d["core_use_of_prepared_starts"][seconds])),
-                "");
-  }
+  text += core_use_rows(d, "core_use", "/bin/sleep") +
+          core_use_rows(d, "core_use_static", "a sleep that is linked statically");
   text += row("a filler gives way to a ready task, p50 / p99",
               fmt::format("{:.2f} / {:.2f} ms", d["filler_gives_way_ms"].number_or("p50", 0.0),
                           d["filler_gives_way_ms"].number_or("p99", 0.0)),

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <vector>
 
 #include "common/json/io.hpp"
 #include "controller/bench/pilot_local.hpp"
@@ -35,6 +36,20 @@ Value as_json(const bench::SimulationRun& run) {
                         {"core_use", run.core_use}});
 }
 
+/// Of the largest size, with all the others behind it.
+Value summary_of(Value rows, double cost_growth) {
+  const Value& last = rows.items().back();
+  Value document = Value::object({{"placements_per_s", last["placements_per_s"]},
+                                  {"placements_per_cpu_s", last["placements_per_cpu_s"]},
+                                  {"bytes_per_task", last["bytes_per_task"]},
+                                  {"core_use", last["core_use"]},
+                                  {"lower_bound", last["lower_bound_s"]},
+                                  {"makespan", last["makespan_s"]},
+                                  {"cost_growth", cost_growth}});
+  document.set("scaling", std::move(rows));
+  return document;
+}
+
 /// The asked size, and before it smaller ones of the same shape: tasks and nodes ten times fewer each.
 Result<Value> simulate(const bench::SimulationSize& size, const fs::path& dir,
                        const std::function<void(const std::string&)>& say) {
@@ -45,22 +60,13 @@ Result<Value> simulate(const bench::SimulationSize& size, const fs::path& dir,
   double cheapest = 0.0, dearest = 0.0;
   for (auto each = sizes.rbegin(); each != sizes.rend(); ++each) {
     say(fmt::format("simulate {} tasks on {} nodes x {} cores", each->tasks, each->nodes, each->cores));
-    GRANARY_TRY(const bench::SimulationRun run, bench::simulate_pilot(*each, dir));
+    GRANARY_TRY(const bench::SimulationRun run, bench::simulate_pilot_steadily(*each, dir));
     rows.push(as_json(run));
     const double cost = run.cost_per_task();
     cheapest = cheapest == 0.0 ? cost : std::min(cheapest, cost);
     dearest = std::max(dearest, cost);
   }
-  const Value& last = rows.items().back();
-  Value document = Value::object({{"placements_per_s", last["placements_per_s"]},
-                                  {"placements_per_cpu_s", last["placements_per_cpu_s"]},
-                                  {"bytes_per_task", last["bytes_per_task"]},
-                                  {"core_use", last["core_use"]},
-                                  {"lower_bound", last["lower_bound_s"]},
-                                  {"makespan", last["makespan_s"]},
-                                  {"cost_growth", dearest / cheapest}});
-  document.set("scaling", std::move(rows));
-  return document;
+  return summary_of(std::move(rows), dearest / cheapest);
 }
 
 }  // namespace
