@@ -10,6 +10,7 @@
 #include "dem_templates/plugin/fix_bond.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
 #include "dem_templates/plugin/fix_lists.hpp"
+#include "dem_templates/plugin/fix_motion.hpp"
 #include "dem_templates/plugin/fix_outlet.hpp"
 #include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_skin.hpp"
@@ -54,6 +55,9 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/tally"] = create<FixTally>;
   styles["granary/wall"] = create<FixWall>;
 
+  // LIGGGHTS' own that are done in another way.
+  styles["gravity"] = create<FixGravity>;
+  styles["nve/sphere"] = create<FixNveSphere>;
   use_cell_neighbor(lammps);
   (*lammps.force->pair_map)["gran"] = create_pair<PairTouching>;
 }

@@ -78,7 +78,7 @@ std::string cloud(const std::string& more = "") {
                     way(random), way(random), diameter});
   }
   return head("0 0.03 0 0.03 0 0.03", "p p p") + physics(0.8, 0.4, 2e-6, 0.001) + particles(list) + more +
-         run(1500, 250);
+         "fix gravity all gravity 9.80665 vector 0 -1 0.3\n" + run(1500, 250);
 }
 
 /// Particles that a force acts on.
