@@ -6,9 +6,10 @@
 namespace granary::dem {
 namespace {
 
-// Measured on the mixer (docs/dem.md): what making a list costs for a particle and for a pair, over a look at one pair.
-constexpr double kListParticle = 80.0, kListPair = 5.0;
-constexpr int kCandidates = 10;
+// Measured on the mixer (docs/dem_styles.md): what making a list costs for a particle and for a pair, over what one
+// listed pair costs in a step.
+constexpr double kListParticle = 60.0, kListPair = 10.0;
+constexpr int kCandidates = 15, kInADiameter = 10;
 
 }  // namespace
 
@@ -19,7 +20,7 @@ double SkinCost::cost(double particles) const {
 std::vector<SkinCost> try_skins(const std::vector<Sphere>& particles, double largest, double speed, double time_step) {
   std::vector<SkinCost> tried;
   for (int k = 1; k <= kCandidates; ++k) {
-    const double skin = 2.0 * largest * k / kCandidates;
+    const double skin = 2.0 * largest * k / kInADiameter;
     const double steps = speed > 0.0 ? 0.5 * skin / (speed * time_step) : 1e9;
     tried.push_back({skin, 0.0, std::max(1.0, steps)});
   }

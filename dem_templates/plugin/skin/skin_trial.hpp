@@ -13,11 +13,11 @@ struct SkinCost {
   double skin = 0.0;   ///< [m]
   double pairs = 0.0;  ///< that the list holds
   double steps = 0.0;  ///< until the fastest particle has gone half the skin, and the list is made anew
-  /// Work of a step, in looks at one listed pair:  pairs + (80 particles + 5 pairs) / steps
+  /// Work of a step, over that of one listed pair:  pairs + (60 particles + 10 pairs) / steps
   double cost(double particles) const;
 };
 
-/// Ten candidates from a tenth of the largest diameter to all of it, with the pairs of these particles (of one rank).
+/// Fifteen candidates from a tenth of the largest diameter to one and a half, with the pairs of these particles (of one rank).
 /// largest_radius [m] and speed of the fastest [m/s] are of all ranks.
 std::vector<SkinCost> try_skins(const std::vector<Sphere>& particles, double largest_radius, double speed,
                                 double time_step);

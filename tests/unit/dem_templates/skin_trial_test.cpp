@@ -16,14 +16,14 @@ TEST(SkinTrial, ListsThePairsThatEachSkinReaches) {
   // gaps: -0.1 mm (they overlap), 0.5 mm, 1.5 mm, and more than 2 mm between all others
   const auto tried = try_skins(row_of({0.0, 0.0019, 0.0044, 0.0079}), 0.001, 1.0, 1e-5);
 
-  ASSERT_EQ(tried.size(), 10u);
+  ASSERT_EQ(tried.size(), 15u);
   EXPECT_NEAR(tried.front().skin, 0.0002, 1e-15);
-  EXPECT_NEAR(tried.back().skin, 0.002, 1e-15);
+  EXPECT_NEAR(tried.back().skin, 0.003, 1e-15);
   EXPECT_EQ(tried[1].pairs, 1.0);  // 0.4 mm
   EXPECT_EQ(tried[2].pairs, 2.0);  // 0.6 mm
   EXPECT_EQ(tried[6].pairs, 2.0);  // 1.4 mm
   EXPECT_EQ(tried[7].pairs, 3.0);  // 1.6 mm
-  EXPECT_NEAR(tried.back().steps, 0.001 / 1e-5, 1e-9);
+  EXPECT_NEAR(tried.back().steps, 0.0015 / 1e-5, 1e-9);
 }
 
 TEST(SkinTrial, FasterParticlesWantALongerReachADenseBedAShorterOne) {
