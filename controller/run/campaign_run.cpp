@@ -134,10 +134,14 @@ void CampaignRun::act_on(const AskMonitor& ask) {
     if (!pilot_.end(*id)) pilot_.stop(*id, "its burst is over");
     return;
   }
-  const pilot::TaskSpec late = handover_.late_monitor(ask.burst, ask.attempt);
-  roles_[late.name] = {ask.burst, ask.attempt, true};
+  start_late_monitor(ask.burst, ask.attempt);
+}
+
+void CampaignRun::start_late_monitor(const BurstId& burst, int attempt) {
+  const pilot::TaskSpec late = handover_.late_monitor(burst, attempt);
+  roles_[late.name] = {burst, attempt, true};
   if (const auto submitted = pilot_.submit(late); !submitted)
-    later(MonitorFailed{ask.burst, ask.attempt, submitted.error().message});
+    later(MonitorFailed{burst, attempt, submitted.error().message});
 }
 
 void CampaignRun::act_on(const coupling::Exchange& exchange) {
@@ -196,6 +200,9 @@ void CampaignRun::program_ended(const Role& role, const pilot::TaskEnd& end) {
 void CampaignRun::monitor_ended(const Role& role, const pilot::TaskEnd& end) {
   if (auto verdict = handover_.verdict(role.burst, end)) {
     later(MonitorSpoke{role.burst, role.attempt, *std::move(verdict)});
+  } else if (state_.phase == Phase::closing && end.state == pilot::TaskState::stopped &&
+             end.name == monitor_name(role.burst, role.attempt)) {
+    start_late_monitor(role.burst, role.attempt);  // it hung when asked for its last word: another reads the same files
   } else {
     later(MonitorFailed{role.burst, role.attempt, verdict.error().message});
   }

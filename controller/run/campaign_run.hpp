@@ -53,6 +53,7 @@ class CampaignRun {
   void act_on(const coupling::StartBurst& start);
   void act_on(const coupling::StopTask& stop);
   void act_on(const coupling::AskMonitor& ask);
+  void start_late_monitor(const coupling::BurstId& burst, int attempt);
   void act_on(const coupling::Exchange& exchange);
   void act_on(const coupling::End& end);
   void finish();

@@ -165,11 +165,12 @@ pilot::TaskSpec FileHandover::monitor_task(const BurstId& burst, int attempt) co
   task.name = monitor_name(burst, attempt);
   task.light = true;
   task.priority = 10;
+  task.retries = 3;  // it only reads: one that was killed begins anew at the burst's first line
   using monitor::Outcome;
   for (const Outcome said : {Outcome::drifted, Outcome::steady, Outcome::converged, Outcome::diverged})
     task.success.set(static_cast<std::size_t>(monitor::exit_code(said)));
   task.dir = fs::path("bursts") / burst.folder();
-  task.stop.grace = 20.0;
+  task.stop.grace = 10.0;
   task.command = {(programs_ / "granary-monitor").string(),
                   dem ? "dem" : "pbm",
                   ".",

@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <sys/mount.h>
 
+#include <atomic>
+#include <cstdlib>
 #include <map>
 #include <thread>
 
@@ -106,6 +108,43 @@ TEST(Campaign, StopsGracefullyAndGoesOn) {
 
   const auto summary = granary_json({"resume", dir.string(), "--json", "--quiet"});
   EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
+}
+
+/// Processes of granary-monitor that work in a folder.
+std::vector<pid_t> monitors_in(const fs::path& folder) {
+  std::vector<pid_t> found;
+  std::error_code gone;
+  for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+    const pid_t pid = std::atoi(entry.path().filename().c_str());
+    if (pid > 0 && fs::read_symlink(entry.path() / "exe", gone).filename() == "granary-monitor" &&
+        fs::read_symlink(entry.path() / "cwd", gone) == folder)
+      found.push_back(pid);
+  }
+  return found;
+}
+
+TEST(Campaign, RunsNoBurstAgainWhenItsMonitorIsKilledOrHangs) {
+  const Scratch scratch;
+  const fs::path dir = scratch / "run";
+  std::atomic<int> killed = 0, halted = 0;
+  const auto signal_one = [&](const std::string& burst, int signal_number, std::atomic<int>& done) {
+    for (int i = 0; i < 6000 && done == 0; ++i) {
+      for (const pid_t pid : monitors_in(dir / "bursts" / burst))
+        if (::kill(pid, signal_number) == 0) ++done;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  std::thread killer([&] { signal_one("0001-dem", SIGKILL, killed); });
+  std::thread halter([&] { signal_one("0002-dem", SIGSTOP, halted); });
+  const auto summary = granary_json(small_campaign(dir));
+  killer.join();
+  halter.join();
+
+  EXPECT_EQ(1, killed);
+  EXPECT_EQ(1, halted);
+  EXPECT_THAT(summary.text_or("ended", ""), testing::AnyOf("limit", "steady"));
+  EXPECT_EQ(2, summary.integer_or("dem_bursts", 0));
+  for (const auto& [burst, times] : times_finished(dir)) EXPECT_EQ(1, times) << burst;
 }
 
 TEST(Campaign, LosesNothingThatFinishedWhenTheDiskIsFull) {
