@@ -1,5 +1,5 @@
-// The flat faces of a surface: triangles, and pairs of triangles that lie in one plane. Meshes of machines are full of
-// those, and a sphere has half as many faces to look at.
+// The flat faces of a surface: triangles, and what triangles of one plane are together. Meshes of machines are full of
+// those, and a sphere has fewer faces to look at.
 #pragma once
 
 #include <array>
@@ -13,16 +13,17 @@
 namespace granary::dem {
 
 struct Face {
-  std::array<Vector3, 4> corner{};          ///< counterclockwise, convex; a triangle has its last one twice
-  std::array<std::uint32_t, 2> triangle{};  ///< numbers of (0 1 2) and (0 2 3); of a triangle twice the same
+  std::array<Vector3, 4> corner{};       ///< counterclockwise, convex; a triangle has its last one twice
+  std::vector<std::uint32_t> triangles;  ///< numbers of those it is made of
 
-  bool is_triangle() const { return triangle[0] == triangle[1]; }
+  bool is_triangle() const { return corner[2] == corner[3]; }
 };
 
-/// Each triangle alone or with a neighbour: one with which it shares a side, is coplanar and makes a convex whole.
-/// Longest sides first, so that the halves of a rectangle find each other. By the order of their first triangles.
+/// All triangles that hang together in one plane as one face, if together they are a triangle or a convex quadrangle:
+/// however finely a flat is meshed. Of other such regions each triangle alone or with a neighbour with which it makes a
+/// convex quadrangle, longest shared sides first. By the order of their first triangles.
 ///
-/// flat: a corner of the one may be so far from the plane of the other [m].
+/// flat: a corner may be so far from the plane, or from the side, on which it lies [m].
 std::vector<Face> faces_of(std::span<const Triangle> triangles, double flat);
 
 /// The point of the face that is nearest to p.

@@ -110,12 +110,24 @@ inline MeshSurface::Heights MeshSurface::heights(std::uint32_t f, const Vector3&
   return over;
 }
 
-// On which side of the line from corner 0 to corner 2 it lies.
+// The triangle that the point is farthest inside of, or least outside.
 std::size_t MeshSurface::part_at(const SurfaceTouch& touch) const {
-  const Face& face = faces_[touch.face];
-  const Vector3 across = cross(planes_[touch.face].normal, face.corner[2] - face.corner[0]);
-  const double there = dot(touch.point - face.corner[0], across), first = dot(face.corner[1] - face.corner[0], across);
-  return face.triangle[there * first >= 0.0 ? 0 : 1];
+  const std::vector<std::uint32_t>& parts = faces_[touch.face].triangles;
+  const Vector3& normal = planes_[touch.face].normal;
+  std::size_t best = parts[0];
+  double deepest = std::numeric_limits<double>::lowest();
+  for (std::size_t p = 0; p < parts.size() && deepest < 0.0; ++p) {
+    const Triangle& corner = triangles_[parts[p]];
+    double inside = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3 along = corner[(k + 1) % 3] - corner[k];
+      inside = std::min(inside, dot(cross(normal, along), touch.point - corner[k]) / norm(along));
+    }
+    if (inside <= deepest) continue;
+    deepest = inside;
+    best = parts[p];
+  }
+  return best;
 }
 
 double MeshSurface::farthest_from(const Vector3& origin, const Vector3& unit_axis) const {
