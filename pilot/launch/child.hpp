@@ -20,6 +20,7 @@ struct Child {
   SpawnRequest request;
   std::vector<char*> argv, env;
   cpu_set_t cpus = {};
+  int spare_output = -1;  ///< an open file without a name, to become stdout_file; -1: none
   Stage failed = Stage::none;
   int code = 0;
 };
@@ -28,6 +29,9 @@ struct Child {
 void become_group_leader(Child* child);  ///< with the usual answer to every signal; child may be null
 /// Comes back, with the exit code, only if something went wrong.
 int execute(Child* child);
+
+/// A file in this folder that has no name yet and goes with whoever has it open. -1: not in this file system.
+int open_nameless(const std::string& folder);
 
 Error spawn_error(const SpawnRequest& request, Stage stage, int code);
 /// The clock of field 22 of /proc/PID/stat: time since boot in hundredths of a second, rounded down.

@@ -1,6 +1,7 @@
-// Processes that are made before there is anything to run: each waits, in a group of its own and with no file open, for
-// the program it is to execute. Making one takes a third of a start, and a new process has to queue for its core behind
-// whatever runs there, while one that wakes up goes first.
+// Processes that are made before there is anything to run: each waits, in a group of its own, for the program it is to
+// execute. Making one takes a third of a start, and a new process has to queue for its core behind whatever runs there,
+// while one that wakes up goes first. Where tasks write into the same folder one after the other, each has the file for
+// the next output open already, without a name: it is gone with the process if nobody needs it.
 #pragma once
 
 #include <memory>

@@ -31,9 +31,22 @@ int fail(Child* child, Stage stage) {
   return 127;
 }
 
+constexpr int kOutputFlags = O_WRONLY | O_APPEND | O_CLOEXEC;
+
 /// -1: it cannot be opened.
-int open_output(const std::string& file) {
-  return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+int open_output(const std::string& file) { return open(file.c_str(), kOutputFlags | O_CREAT | O_TRUNC, 0644); }
+
+/// False: there is a file of this name already, or it cannot be done here.
+bool give_name(int nameless, const std::string& file) {
+  // The first way takes a privilege, or Linux 6.10; the second takes the number that open_nameless() gave.
+  return linkat(nameless, "", AT_FDCWD, file.c_str(), AT_EMPTY_PATH) == 0 ||
+         linkat(AT_FDCWD, "/proc/self/fd/3", AT_FDCWD, file.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+int stdout_of(const Child& child) {
+  const std::string& file = child.request.stdout_file;
+  if (file.empty()) return child.request.stdout_fd;
+  return child.spare_output >= 0 && give_name(child.spare_output, file) ? child.spare_output : open_output(file);
 }
 
 int null_device() {
@@ -82,6 +95,8 @@ void become_group_leader(Child* child) {
   if (setpgid(0, 0) < 0) (void)fail(child, Stage::group);
 }
 
+int open_nameless(const std::string& folder) { return open(folder.c_str(), kOutputFlags | O_TMPFILE, 0644); }
+
 int execute(Child* child) {
   const SpawnRequest& request = child->request;
   if (child->failed != Stage::none) return 127;
@@ -93,7 +108,7 @@ int execute(Child* child) {
     (void)!nice(19);
   }
   if (!request.dir.empty() && chdir(request.dir.c_str()) != 0) return fail(child, Stage::folder);
-  const int out = request.stdout_file.empty() ? request.stdout_fd : open_output(request.stdout_file);
+  const int out = stdout_of(*child);
   const bool same = request.stderr_file == request.stdout_file && !request.stdout_file.empty();
   const int err = same ? out : request.stderr_file.empty() ? request.stderr_fd : open_output(request.stderr_file);
   if (out < 0 || err < 0) return fail(child, Stage::output);

@@ -89,7 +89,6 @@ bool is_alive(int pid) {
   return !state.empty() && state[0] != 'Z';
 }
 
-/// Runs the loop until `done` (looked at every 5 ms) or 10 s are over.
 /// Or will be as soon as it gets a core, which takes a filler long on a busy machine: SIGSTOP waits for it.
 bool is_stopped(int pid) {
   const std::string pending = process_status(pid, "ShdPnd");
@@ -97,6 +96,7 @@ bool is_stopped(int pid) {
          (!pending.empty() && (std::stoull(pending, nullptr, 16) >> (SIGSTOP - 1) & 1U) != 0);
 }
 
+/// Runs the loop until `done` (looked at every 5 ms) or 10 s are over.
 void run_until(RealLoop& loop, const std::function<bool()>& done) {
   const double deadline = loop.now() + 10.0;
   std::function<void()> look = [&] {
@@ -137,6 +137,27 @@ TEST_F(PilotProcesses, WorksInTheTasksFolderAndKeepsItsOutputThere) {
   EXPECT_EQ(output("runs/where/err.txt"), "oops\n");
   EXPECT_THAT(output("runs/where/where.out"), HasSubstr("\n5\n"))
       << "0, 1, 2 and the listed folder: no descriptor of ours is left open";
+}
+
+// The files of all but the first few are made before their tasks are known, and named when they start.
+TEST_F(PilotProcesses, MakesOutputFilesThatAreLikeAnyOthersAndEmptiesThoseThatAreThere) {
+  ASSERT_TRUE(write_text_atomically(dir / "t7.out", "a long line of somebody else's\n").has_value());
+  fs::create_symlink("elsewhere", dir / "t9.out");
+  std::ofstream(dir / "usual") << "made by open()";
+  std::vector<TaskSpec> tasks;
+  for (int k = 0; k < 12; ++k) tasks.push_back(script("t" + std::to_string(k), "echo $GRANARY_TASK; echo twice >&2"));
+
+  run(tasks);
+
+  for (const TaskSpec& task : tasks) {
+    const fs::path file = dir / (task.name + ".out");
+    EXPECT_EQ(output(file.filename()), task.name + "\ntwice\n");
+    EXPECT_EQ(fs::status(file).permissions(), fs::status(dir / "usual").permissions()) << task.name;
+    EXPECT_EQ(fs::hard_link_count(file), 1U) << task.name;
+  }
+  EXPECT_TRUE(fs::is_symlink(dir / "t9.out")) << "what leads elsewhere is followed";
+  const auto files = std::distance(fs::directory_iterator(dir), fs::directory_iterator());
+  EXPECT_EQ(files, 12 + 3) << "12 outputs, one of them elsewhere, \"usual\" and the journal; no file was left over";
 }
 
 TEST_F(PilotProcesses, FailsAMissingProgramAtOnceAndNamesThePathSearched) {
