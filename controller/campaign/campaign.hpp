@@ -47,7 +47,14 @@ struct DemSettings {
   long particles = 2000;  ///< budget: the coarse-graining factor is chosen so that there are about so many
   std::optional<double> coarse_graining;  ///< DEM diameter / real diameter; none: chosen from the budget
   CarryBack carry_back = CarryBack::orthokinetic;
-  int size_classes = 6;                    ///< of the DEM particles, and of the tallies
+  /// Powers of the coarse graining f with which a quantity of the DEM goes while the powder stays the same: it is
+  /// taken to f = `at` by them before it is carried back.
+  struct CoarseGrainingLaw {
+    double at = 1.0;
+    double collision_rate = 0.0, collision_speed = 0.0, impact_rate = 0.0, impact_speed = 0.0;
+  };
+  std::optional<CoarseGrainingLaw> coarse_graining_law;  ///< none: carry_back alone
+  int size_classes = 6;                                  ///< of the DEM particles, and of the tallies
   double fine_cut = 0.05;                  ///< share of the volume, the finest, that rides on the finest class [-]
   std::optional<double> largest_diameter;  ///< of a DEM particle [m]: what the machine's gaps allow; none: no bound
   std::optional<double> density;       ///< of the DEM particles [kg/m^3]; none: envelope density of the PBM's particles

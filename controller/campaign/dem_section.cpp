@@ -42,6 +42,20 @@ void read_rank_grid(json::Reader& reader, dem::DemCase& base) {
                    "it must be three whole numbers whose product is /dem/ranks, " + std::to_string(base.ranks) + ".");
 }
 
+void read_coarse_graining_law(json::Reader& reader, DemSettings& dem) {
+  std::optional<json::Reader> section = reader.optional_section("coarse_graining_law");
+  if (!section) return;
+  const Range power = Range::between(-6, 6);
+  DemSettings::CoarseGrainingLaw law;
+  law.at = section->number("at", Range::at_least(1.0));
+  law.collision_rate = section->number("collision_rate", power);
+  law.collision_speed = section->number("collision_speed", power);
+  law.impact_rate = section->number("impact_rate", power);
+  law.impact_speed = section->number("impact_speed", power);
+  section->done();
+  dem.coarse_graining_law = law;
+}
+
 void read_scaling(json::Reader& reader, DemSettings& dem) {
   dem.particles = reader.integer_or("particles", dem.particles, Range::at_least(1));
   if (!is_auto(reader, "coarse_graining")) {
@@ -55,6 +69,7 @@ void read_scaling(json::Reader& reader, DemSettings& dem) {
     dem.density = reader.quantity_or("particle_density", 1000.0, "kg/m^3", Range::positive());
   const std::string law = reader.choice_or("carry_back", "orthokinetic", {"orthokinetic", "equal_speed"});
   dem.carry_back = law == "orthokinetic" ? DemSettings::CarryBack::orthokinetic : DemSettings::CarryBack::equal_speed;
+  read_coarse_graining_law(reader, dem);
   dem.size_classes = static_cast<int>(reader.integer_or("size_classes", dem.size_classes, Range::between(1, 64)));
   dem.fine_cut = reader.number_or("fine_cut", dem.fine_cut, {0.0, 1.0, true, false});
   if (!is_auto(reader, "largest_diameter"))

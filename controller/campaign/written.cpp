@@ -37,11 +37,21 @@ json::Value coupling_json(const CouplingSettings& coupling) {
                               {"most_rounds", coupling.most_rounds}});
 }
 
+json::Value coarse_graining_law_json(const std::optional<DemSettings::CoarseGrainingLaw>& law) {
+  if (!law) return {};
+  return json::Value::object({{"at", law->at},
+                              {"collision_rate", law->collision_rate},
+                              {"collision_speed", law->collision_speed},
+                              {"impact_rate", law->impact_rate},
+                              {"impact_speed", law->impact_speed}});
+}
+
 json::Value dem_json(const DemSettings& dem) {
   const bool orthokinetic = dem.carry_back == DemSettings::CarryBack::orthokinetic;
   return json::Value::object({{"particles", static_cast<std::int64_t>(dem.particles)},
                               {"coarse_graining", or_null(dem.coarse_graining)},
                               {"carry_back", orthokinetic ? "orthokinetic" : "equal_speed"},
+                              {"coarse_graining_law", coarse_graining_law_json(dem.coarse_graining_law)},
                               {"size_classes", dem.size_classes},
                               {"fine_cut", dem.fine_cut},
                               {"largest_diameter_m", or_null(dem.largest_diameter)},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,11 +23,31 @@ using Matrix = std::vector<std::vector<double>>;
 /// speeds as they are. Impact rate and impact speed stay in both: the wall sweeps the same bed.
 enum class ScalingLaw { orthokinetic, equal_speed };
 
+/// What a ladder of particle numbers has found: with the same powder in the machine a quantity of the DEM goes as
+/// f^power. Each is taken to f = `at` by it, and from there to real sizes by a ScalingLaw.
+struct CoarseGrainingLaw {
+  double at = 1.0;
+  double collision_rate = 0.0;  ///< C; orthokinetic would be 3, equal_speed 2
+  double collision_speed = 0.0;
+  double impact_rate = 0.0;  ///< of a particle
+  double impact_speed = 0.0;
+};
+
+/// What a DEM's quantities are multiplied with to be those of real sizes.
+struct Carry {
+  double collision_rate = 1.0;
+  double collision_speed = 1.0;
+  double impact_rate = 1.0;
+  double impact_speed = 1.0;
+};
+Carry carry_back(double coarse_graining, ScalingLaw law, const std::optional<CoarseGrainingLaw>& found);
+
 struct RateSettings {
   double grace = 0.2;  ///< windows that begin earlier after the first window's start are left out [s]
   ScalingLaw law = ScalingLaw::orthokinetic;
-  double prior_collisions = 25.0;    ///< counts the fitted shape is worth against a class pair's own count
-  double prior_compartment = 100.0;  ///< counts a compartment factor of 1 is worth
+  std::optional<CoarseGrainingLaw> found;  ///< none: the law alone
+  double prior_collisions = 25.0;          ///< counts the fitted shape is worth against a class pair's own count
+  double prior_compartment = 100.0;        ///< counts a compartment factor of 1 is worth
   std::vector<double>
       class_diameter;  ///< DEM diameters that stand for the classes [m]; empty: geometric mid of the edges
 };
@@ -41,6 +62,7 @@ struct MeasuredRates {
   std::vector<double> compartment_collisions;  ///< counted, shape (n_compartments)
   std::vector<double> impacts;                 ///< counted, shape (n_classes)
   double coarse_graining = 1.0;
+  Carry carry;              ///< has been applied
   std::size_t windows = 0;  ///< used
   int thin_pairs = 0;       ///< pairs with fewer than 100 counts: they lean on the shape
   DemSummary summary;

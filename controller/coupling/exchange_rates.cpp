@@ -81,7 +81,7 @@ Counted count(const std::vector<const TallyWindow*>& windows, std::vector<double
 
 void fill_collision_rates(MeasuredRates& out, const Counted& c, const RateSettings& settings) {
   const std::size_t n = c.diameter.size();
-  const double m = exponent(settings.law), scale = std::pow(out.coarse_graining, -m), k = settings.prior_collisions;
+  const double m = exponent(settings.law), scale = out.carry.collision_rate, k = settings.prior_collisions;
   const auto shape = [&](std::size_t p, std::size_t q) { return std::pow(c.diameter[p] + c.diameter[q], m); };
 
   // Maximum likelihood for N_pq ~ Poisson(a shape_pq E_pq): total count over total expectation.
@@ -90,8 +90,8 @@ void fill_collision_rates(MeasuredRates& out, const Counted& c, const RateSettin
     counted += c.collisions[p][q];
     expected += shape(p, q) * c.exposure[p][q];
   });
-  const double a = counted / expected;  // at DEM sizes; the same number at real ones, as shape and C scale alike
-  out.shape_rate = a;
+  const double a = counted / expected;  // at DEM sizes
+  out.shape_rate = a * scale * std::pow(out.coarse_graining, m);
   out.rates.collision_rate = out.standard_error = out.collisions = out.exposure = square(n);
 
   Matrix at_dem_size = square(n);
@@ -119,7 +119,8 @@ void fill_impact_rates(MeasuredRates& out, const Counted& c, double k) {
   out.impacts = c.impacts;
   const double overall = sum(c.impacts) / sum(c.particle_time);
   for (std::size_t p = 0; p < c.impacts.size(); ++p)
-    out.rates.impact_rate.push_back(overall > 0.0 ? (c.impacts[p] + k) / (c.particle_time[p] + k / overall) : 0.0);
+    out.rates.impact_rate.push_back(
+        overall > 0.0 ? out.carry.impact_rate * (c.impacts[p] + k) / (c.particle_time[p] + k / overall) : 0.0);
 }
 
 /// Mean and standard deviation of ln U over all windows together.
@@ -137,8 +138,7 @@ pbm::SpeedDistribution pool(const std::vector<const TallyWindow*>& windows, Spee
   return {mean, std::max(std::sqrt(std::max(second / count - mean * mean, 0.0)), kLeastSigma)};
 }
 
-DemSummary summarize(const std::vector<const TallyWindow*>& windows, const Counted& c, const MeasuredRates& measured,
-                     ScalingLaw law) {
+DemSummary summarize(const std::vector<const TallyWindow*>& windows, const Counted& c, const MeasuredRates& measured) {
   const std::size_t n = c.diameter.size();
   DemSummary summary;
   summary.start_time = windows.front()->time - windows.front()->window;
@@ -149,10 +149,9 @@ DemSummary summarize(const std::vector<const TallyWindow*>& windows, const Count
   for_each_pair(n, [&](std::size_t p, std::size_t q) { summary.collisions += c.collisions[p][q]; });
   const double particle_time = sum(c.particle_time);
   summary.particles = particle_time / c.time;
-  const double carried =
-      law == ScalingLaw::orthokinetic ? 1.0 : measured.coarse_graining;  // C/f^m times f^3 the particles
+  const double carried = measured.carry.collision_rate * std::pow(measured.coarse_graining, 3);  // f^3 the particles
   summary.collision_frequency = 2.0 * summary.collisions / particle_time * carried;
-  summary.impact_frequency = summary.impacts / particle_time;
+  summary.impact_frequency = summary.impacts / particle_time * measured.carry.impact_rate;
   for (std::size_t p = 0; p < n; ++p) {
     double weight = 0.0, mean = 0.0, square_mean = 0.0;
     std::vector<double> means;
@@ -213,6 +212,19 @@ Status check(const Tallies& tallies, const std::vector<const TallyWindow*>& wind
 
 }  // namespace
 
+Carry carry_back(double coarse_graining, ScalingLaw law, const std::optional<CoarseGrainingLaw>& found) {
+  const double from = found ? found->at : coarse_graining;
+  Carry carry{.collision_rate = std::pow(from, -exponent(law)),
+              .collision_speed = law == ScalingLaw::orthokinetic ? 1.0 / from : 1.0};
+  if (!found) return carry;
+  const double ratio = found->at / coarse_graining;
+  carry.collision_rate *= std::pow(ratio, found->collision_rate);
+  carry.collision_speed *= std::pow(ratio, found->collision_speed);
+  carry.impact_rate = std::pow(ratio, found->impact_rate);
+  carry.impact_speed = std::pow(ratio, found->impact_speed);
+  return carry;
+}
+
 Result<MeasuredRates> measure_rates(const Tallies& tallies, const std::vector<double>& bed_volume,
                                     const RateSettings& settings) {
   const std::vector<const TallyWindow*> windows = after_grace(tallies, settings.grace);
@@ -231,20 +243,26 @@ Result<MeasuredRates> measure_rates(const Tallies& tallies, const std::vector<do
 
   MeasuredRates out;
   out.coarse_graining = tallies.header.coarse_graining;
+  out.carry = carry_back(out.coarse_graining, settings.law, settings.found);
   out.windows = windows.size();
   for (const double d : diameter) out.rates.diameter.push_back(d / out.coarse_graining);
   fill_collision_rates(out, counted, settings);
   fill_impact_rates(out, counted, settings.prior_collisions);
   out.rates.collision_speed = pool(windows, &TallyWindow::collision_speed);
-  if (settings.law == ScalingLaw::orthokinetic) out.rates.collision_speed.ln_mean -= std::log(out.coarse_graining);
+  out.rates.collision_speed.ln_mean += std::log(out.carry.collision_speed);
   out.rates.impact_speed = pool(windows, &TallyWindow::impact_speed);
-  out.summary = summarize(windows, counted, out, settings.law);
+  out.rates.impact_speed.ln_mean += std::log(out.carry.impact_speed);
+  out.summary = summarize(windows, counted, out);
   return out;
 }
 
 json::Value to_json(const MeasuredRates& measured) {
   return json::Value::object(
       {{"coarse_graining", measured.coarse_graining},
+       {"carried_by", json::Value::object({{"collision_rate", measured.carry.collision_rate},
+                                           {"collision_speed", measured.carry.collision_speed},
+                                           {"impact_rate", measured.carry.impact_rate},
+                                           {"impact_speed", measured.carry.impact_speed}})},
        {"windows", measured.windows},
        {"thin_pairs", measured.thin_pairs},
        {"shape_rate", measured.shape_rate},

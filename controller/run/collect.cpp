@@ -201,7 +201,7 @@ Result<SpeedHistogram> speeds(const fs::path& folder, const std::string& which, 
 }
 
 Result<DemRates> rates_of(const BurstRecord& record, const coupling::MeasuredRates& measured, const fs::path& folder,
-                          bool orthokinetic, double grace) {
+                          double grace) {
   DemRates rates;
   rates.burst = number_of(record);
   rates.measured = measured.summary.end_time - measured.summary.start_time;
@@ -213,9 +213,11 @@ Result<DemRates> rates_of(const BurstRecord& record, const coupling::MeasuredRat
   for (std::size_t p = 0; p < rates.impact_rate.size(); ++p)
     rates.impact_rate_error.push_back(measured.impacts[p] > 0.0 ? rates.impact_rate[p] / std::sqrt(measured.impacts[p])
                                                                 : kNone);
-  const double scale = orthokinetic ? 1.0 / measured.coarse_graining : 1.0;
-  GRANARY_TRY(rates.collision_speed, speeds(folder, "collision_speed", measured.rates.collision_speed, scale, grace));
-  GRANARY_TRY(rates.impact_speed, speeds(folder, "impact_speed", measured.rates.impact_speed, 1.0, grace));
+  const coupling::Carry& carry = measured.carry;
+  GRANARY_TRY(rates.collision_speed,
+              speeds(folder, "collision_speed", measured.rates.collision_speed, carry.collision_speed, grace));
+  GRANARY_TRY(rates.impact_speed,
+              speeds(folder, "impact_speed", measured.rates.impact_speed, carry.impact_speed, grace));
   return rates;
 }
 
@@ -284,8 +286,7 @@ Result<CampaignResults> collect(const campaign::Campaign& campaign, const FileHa
     } else if (over.burst.kind == Kind::dem) {
       GRANARY_CHECK(append_tallies(results.dem, over, folder));
       GRANARY_TRY(const auto measured, handover.rates_of(over.burst));
-      const bool orthokinetic = campaign.dem.carry_back == campaign::DemSettings::CarryBack::orthokinetic;
-      GRANARY_TRY(DemRates rates, rates_of(over, measured, folder, orthokinetic, campaign.coupling.grace));
+      GRANARY_TRY(DemRates rates, rates_of(over, measured, folder, campaign.coupling.grace));
       results.rates.push_back(std::move(rates));
       burst.coarse_graining = measured.coarse_graining;
       burst.dem_particles = measured.summary.particles;

@@ -229,6 +229,9 @@ Result<coupling::MeasuredRates> FileHandover::measured(const BurstId& dem_burst,
   coupling::RateSettings settings;
   settings.grace = grace;
   settings.law = law_of(campaign_->dem.carry_back);
+  if (const auto& found = campaign_->dem.coarse_graining_law)
+    settings.found = {found->at, found->collision_rate, found->collision_speed, found->impact_rate,
+                      found->impact_speed};
   settings.class_diameter = sampled.numbers("class_diameter_m");
   return coupling::measure_burst(folder(dem_burst), campaign_->pbm_case.compartments.volume, settings);
 }

@@ -108,8 +108,8 @@ std::vector<std::string> understood(const json::Value& document) {
 /// Writes the schema's defaults into a document, in every section that is there or may be left out; `skipped` opens the
 /// titles of the settings of the other machine. Returns how many.
 int fill_defaults(const json::Value& schema, json::Value& value, const std::string& skipped) {
-  const std::set<std::string> optional{"feed",       "charge", "spray",
-                                       "estimation", "sweep",  "agglomerates"};  // only where asked for
+  const std::set<std::string> optional{
+      "feed", "charge", "spray", "estimation", "sweep", "agglomerates", "coarse_graining_law"};  // only where asked for
   int n = 0;
   if (value.is_array())
     for (json::Value& item : value.items()) n += fill_defaults(schema["items"], item, skipped);

@@ -248,6 +248,40 @@ TEST(CoarseGraining, ScalesByTheSquareAtEqualSpeed) {
   EXPECT_NEAR(dem.f, equal_speed.summary.collision_frequency / orthokinetic.summary.collision_frequency, 1e-9);
 }
 
+// The same powder at two coarse grainings, in a machine where C goes as f^2.2, speeds as f^0.8 and impacts as f^1.1.
+TEST(CoarseGraining, MakesNoDifferenceWithTheLawThatALadderHasFound) {
+  SyntheticDem fine;
+  fine.f = 10.0;
+  fine.windows = 400;
+  SyntheticDem coarse = fine;
+  coarse.f = 20.0;
+  for (std::size_t p = 0; p < 4; ++p) {
+    coarse.diameter[p] *= 2.0;
+    fine.particles[p] = 8.0 * coarse.particles[p];
+  }
+  coarse.shear *= std::pow(2.0, 2.2 - 3.0);
+  coarse.ln_mean += 0.8 * std::log(2.0);
+  coarse.impacts *= std::pow(2.0, 1.1);
+  const auto taken_to = [](const SyntheticDem& dem, double at) {
+    RateSettings settings = no_grace(dem);
+    settings.found = {at, 2.2, 0.8, 1.1, 0.8};
+    return settings;
+  };
+  const MeasuredRates of_fine = measure(fine, 8, taken_to(fine, 10.0)), at_once = measure(fine, 8, no_grace(fine)),
+                      of_coarse = measure(coarse, 9, taken_to(coarse, 10.0));
+
+  for (std::size_t p = 0; p < 4; ++p) {
+    EXPECT_NEAR(1.0, collision_frequency(of_coarse, coarse, p) / collision_frequency(of_fine, fine, p), 0.06);
+    EXPECT_NEAR(1.0, of_coarse.rates.impact_rate[p] / of_fine.rates.impact_rate[p], 0.1);
+    EXPECT_DOUBLE_EQ(at_once.rates.impact_rate[p], of_fine.rates.impact_rate[p]) << "where it is taken to, it stays";
+  }
+  EXPECT_NEAR(of_fine.rates.collision_speed.ln_mean, of_coarse.rates.collision_speed.ln_mean, 0.02);
+  EXPECT_NEAR(of_fine.rates.impact_speed.ln_mean, of_coarse.rates.impact_speed.ln_mean, 0.02);
+  EXPECT_NEAR(of_fine.shape_rate, of_coarse.shape_rate, 0.02 * of_fine.shape_rate);
+  EXPECT_EQ(nullptr, compare(of_fine.summary, of_coarse.summary).beyond(0.02, 3.0));
+  EXPECT_DOUBLE_EQ(at_once.rates.collision_rate[0][1], of_fine.rates.collision_rate[0][1]);
+}
+
 // Bursts of the same bed, whose mean speed wanders as flocks of particles do: two of them differ by what they say.
 TEST(Rates, KnowAMeanSpeedAsWellAsTheWindowsScatterAllows) {
   SyntheticDem dem;
