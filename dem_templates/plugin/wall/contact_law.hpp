@@ -39,7 +39,8 @@ struct TouchHistory {
 struct WallForce {
   Vector3 force{}, torque{};  ///< on the particle, about its centre [N], [N m]
   double normal_force = 0.0;  ///< spring and dashpot [N]
-  Vector3 slip{};             ///< velocity of the particle's surface over the wall's [m/s]
+  double normal_speed = 0.0;  ///< of the approach, away from the wall [m/s]
+  double slip2 = 0.0;         ///< square of the speed of the particle's surface over the wall's [m^2/s^2]
 };
 
 /// Hertz spring and dashpot, Mindlin's tangential spring with history (rotated into the present tangential plane),
@@ -53,8 +54,11 @@ struct WallForce {
 /// particles), where wall/gran takes the particle's own. frozen: the history is used, not advanced (setup).
 /// Source: LIGGGHTS manual, pages gran_model_hertz, gran_tangential_history, gran_rolling_friction_*,
 /// gran_cohesion_sjkr; held against LIGGGHTS itself in plugin_wall_law_test.cpp.
-inline WallForce wall_force(const WallMaterial& material, RollingModel rolling, const WallApproach& a, double time_step,
-                            bool frozen, TouchHistory& history) {
+///
+/// Without branches on what differs from touch to touch: wall_rows.cpp works on several at once.
+template <RollingModel rolling, bool frozen>
+[[gnu::always_inline]] inline WallForce wall_force(const WallMaterial& material, const WallApproach& a,
+                                                   double time_step, TouchHistory& history) {
   const double kSqrtFiveSixths = 0.91287092917527685576;
   const double distance = a.radius - a.overlap;
   const double root = std::sqrt(a.radius * a.overlap);
@@ -70,42 +74,37 @@ inline WallForce wall_force(const WallMaterial& material, RollingModel rolling, 
   const Vector3 slip = a.velocity - normal_speed * a.normal + arm * cross(a.normal, a.spin);
 
   Vector3 shear = history.shear;
-  if (!frozen) {
+  if constexpr (!frozen) {
     shear = shear + time_step * slip;
     shear = shear - dot(shear, a.normal) * a.normal;
   }
   const double elastic = shear_stiffness * norm(shear), limit = material.friction * std::abs(normal_force);
-  Vector3 tangential = -shear_stiffness * shear;
-  if (elastic > limit) {
-    tangential = (limit / elastic) * tangential;
-    shear = (limit / elastic) * shear;
-  } else {
-    tangential = tangential - damp * std::sqrt(shear_stiffness * a.mass) * slip;
-  }
-  if (!frozen) history.shear = shear;
+  const double kept = elastic > limit ? limit / elastic : 1.0;
+  const double shear_damping = elastic > limit ? 0.0 : damp * std::sqrt(shear_stiffness * a.mass);
+  const Vector3 tangential = kept * (-shear_stiffness * shear) - shear_damping * slip;
+  if constexpr (!frozen) history.shear = kept * shear;
 
+  const double cohesion = material.cohesion * M_PI * (a.radius * a.radius - distance * distance);
   WallForce result;
   result.normal_force = normal_force;
-  result.slip = slip;
-  const double cohesion = material.cohesion * M_PI * (a.radius * a.radius - distance * distance);
+  result.normal_speed = normal_speed;
+  result.slip2 = dot(slip, slip);
   result.force = (normal_force - cohesion) * a.normal + tangential;
   result.torque = -arm * cross(a.normal, tangential);
-  if (rolling == RollingModel::none) return result;
-
-  Vector3 turning = (arm / distance) * (a.spin - a.wall_spin);
-  if (rolling == RollingModel::cdt) {
-    const double speed = norm(turning);
-    if (speed == 0.0) return result;
-    const Vector3 resisting = (material.rolling_friction * spring * a.overlap * a.radius / speed) * turning;
+  const Vector3 turning = (arm / distance) * (a.spin - a.wall_spin);
+  if constexpr (rolling == RollingModel::cdt) {
+    const double rate = norm(turning), most = material.rolling_friction * spring * a.overlap * a.radius;
+    const Vector3 resisting = (rate > 0.0 ? most / rate : 0.0) * turning;
     result.torque = result.torque - (resisting - dot(resisting, a.normal) * a.normal);
-    return result;
+  } else if constexpr (rolling == RollingModel::epsd2) {
+    const Vector3 over_wall = turning - dot(turning, a.normal) * a.normal;
+    const Vector3 spring_torque =
+        history.rolling_torque + (time_step * shear_stiffness * a.radius * a.radius) * over_wall;
+    const double most = std::abs(normal_force) * a.radius * material.rolling_friction, size = norm(spring_torque);
+    const Vector3 resisting = (size > most ? most / size : 1.0) * spring_torque;
+    if constexpr (!frozen) history.rolling_torque = 1.0 * resisting;
+    result.torque = result.torque - resisting;
   }
-  turning = turning - dot(turning, a.normal) * a.normal;
-  Vector3 resisting = history.rolling_torque + (time_step * shear_stiffness * a.radius * a.radius) * turning;
-  const double most = std::abs(normal_force) * a.radius * material.rolling_friction, torque = norm(resisting);
-  if (torque > most) resisting = (most / torque) * resisting;
-  if (!frozen) history.rolling_torque = resisting;
-  result.torque = result.torque - resisting;
   return result;
 }
 

@@ -21,7 +21,6 @@
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_words.hpp"
 #include "dem_templates/plugin/wall/time_step_limits.hpp"
-#include "dem_templates/plugin/wall/wall_state.hpp"
 
 namespace granary::dem {
 namespace {
@@ -149,7 +148,6 @@ void FixWall::push(bool frozen) {
     Watch& watch = watches_[b];
     std::fill_n(sums_[b].begin(), 7, 0.0);
     if (n_particles == 0) continue;
-    Push all;
     const std::vector<std::uint32_t>& due = watch.due(body, atom->x[0], n_particles);
     for (std::size_t n = 0; n < due.size(); ++n) {
       if (n + kAhead < due.size()) {
@@ -162,17 +160,12 @@ void FixWall::push(bool frozen) {
       const double clear = body.surface->touches(here, atom->radius[i], watch.nearby(i), found_);
       if (watch.may_have_passed(i, here, atom->radius[i])) refuse_if_passed(b, static_cast<int>(i), here);
       watch.looked(i, here, atom->radius[i], clear);
-      if (found_.empty()) {
+      if (found_.empty())
         book_.page(i).forget(static_cast<double>(b));
-        continue;
-      }
-      const Push pushed = push(b, static_cast<int>(i), here, frozen);
-      all.force = all.force + pushed.force;
-      all.moment = all.moment + pushed.moment;
+      else
+        queue(b, static_cast<int>(i), frozen);
     }
-    add(&sums_[b][0], -1.0 * body.turn.to_lab(all.force));
-    add(&sums_[b][3], -1.0 * body.turn.to_lab(all.moment));
-    sums_[b][6] = dot(all.moment, body.spin());
+    push_queued(b, frozen);
   }
 }
 
@@ -190,71 +183,89 @@ void FixWall::refuse_if_passed(std::size_t b, int i, const Vector3& here) {
                  .c_str());
 }
 
-FixWall::Push FixWall::push(std::size_t b, int i, const Vector3& here, bool frozen) {
+// The page gets the present normals now and what is remembered when the forces are known.
+void FixWall::queue(std::size_t b, int i, bool frozen) {
   const WallBody& body = bodies_[b];
-  std::array<double, kSums>& sums = sums_[b];
   TouchBook::Page& page = book_.page(static_cast<std::size_t>(i));
   const auto number = static_cast<double>(b);
-  const Vector3 wall_spin = body.spin(), velocity = body.turn.to_body(vector_of(atom->v[i]));
-  const Vector3 spin = body.turn.to_body(vector_of(atom->omega[i]));
-  const Vector3 arm = here - body.rotation.origin;
+  const double radius = atom->radius[i];
   const bool impact = !frozen && !page.touched(number);
 
   std::array<bool, TouchBook::kMost> kept{};
-  new_.n = 0;
-  Vector3 push{}, torque{};  // on the particle, in the body's frame
+  touching_.clear();
   for (const SurfaceTouch& touch : found_) {
-    const WallApproach approach{.radius = atom->radius[i],
-                                .mass = atom->rmass[i],
-                                .overlap = atom->radius[i] - touch.distance,
-                                .normal = touch.normal,
-                                .velocity = velocity - body.velocity_at(touch.point),
-                                .spin = spin,
-                                .wall_spin = wall_spin};
-    largest_overlap_ = std::max(largest_overlap_, approach.overlap / approach.radius);
-    if (touch_listener_) touch_listener_(b, i, approach.overlap / approach.radius);
-    RememberedTouch begun{number, touch.normal, {}};
     const std::size_t known = page.find(number, touch.normal, kept);
-    RememberedTouch& remembered = known < page.n ? page.touch[known] : begun;
-    remembered.normal = touch.normal;
-    const WallForce pushed = wall_force(materials_[static_cast<std::size_t>(atom->type[i])], rolling_, approach,
-                                        update->dt, frozen, remembered.history);
-    if (known < page.n)
-      kept[known] = true;
-    else
-      new_.note(begun);
-    push = push + pushed.force;
-    torque = torque + pushed.torque;
-    const bool begins = impact && &touch == found_.data();
-    if (!wear_.empty() && !frozen) wear_off(b, touch, approach, pushed, begins);
-    if (begins) {
-      const double speed = std::max(0.0, -dot(approach.velocity, approach.normal));
-      sums[7] += 1.0;
-      sums[8] += speed;
-      if (listener_) listener_(b, i, speed);
+    touching_.push_back({number, touch.normal, {}});
+    if (known == page.n) continue;
+    touching_.back().history = page.touch[known].history;
+    kept[known] = true;
+  }
+  page.forget(number);
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    const SurfaceTouch& touch = found_[k];
+    const double overlap = radius - touch.distance;
+    largest_overlap_ = std::max(largest_overlap_, overlap / radius);
+    if (touch_listener_) touch_listener_(b, i, overlap / radius);
+    if (rows_.full()) push_queued(b, frozen);
+    queued_[rows_.size()] = {i, page.n, impact && k == 0, touch};
+    if (!page.note(touching_[k])) {
+      queued_[rows_.size()].slot = TouchBook::kMost;
+      say_full();
     }
+    rows_.add(materials_[static_cast<std::size_t>(atom->type[i])],
+              {.radius = radius,
+               .mass = atom->rmass[i],
+               .overlap = overlap,
+               .normal = touch.normal,
+               .point = touch.point - body.rotation.origin,
+               .velocity = atom->v[i],
+               .spin = atom->omega[i]},
+              touching_[k].history);
   }
-  page.forget_but(number, kept);
-  for (std::size_t k = 0; k < new_.n; ++k) {
-    if (page.note(new_.touch[k]) || said_full_) continue;
-    said_full_ = true;
-    error->warning(FLERR,
-                   "granary/wall: a particle touches bodies at more than 6 places: further ones keep no history");
-  }
-  add(atom->f[i], body.turn.to_lab(push));
-  add(atom->torque[i], body.turn.to_lab(torque));
-  return {push, cross(arm, push) + torque};
 }
 
-void FixWall::wear_off(std::size_t b, const SurfaceTouch& touch, const WallApproach& approach, const WallForce& pushed,
-                       bool impact) {
+void FixWall::say_full() {
+  if (std::exchange(said_full_, true)) return;
+  error->warning(FLERR, "granary/wall: a particle touches bodies at more than 6 places: further ones keep no history");
+}
+
+void FixWall::push_queued(std::size_t b, bool frozen) {
+  const WallBody& body = bodies_[b];
+  std::array<double, kSums>& sums = sums_[b];
+  rows_.advance({body.turn, body.spin()}, rolling_, update->dt, frozen);
+  Vector3 all_force{}, all_moment{};
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const auto& [i, slot, begins, touch] = queued_[k];
+    const Vector3 pushed = rows_.force(k), turned = rows_.torque(k);
+    add(atom->f[i], pushed);
+    add(atom->torque[i], turned);
+    all_force = all_force + pushed;
+    all_moment = all_moment + cross(vector_of(atom->x[i]) - body.rotation.origin, pushed) + turned;
+    if (!frozen && slot < TouchBook::kMost)
+      book_.page(static_cast<std::size_t>(i)).touch[slot].history = rows_.history(k);
+    if (!wear_.empty() && !frozen) wear_off(b, k);
+    if (!begins) continue;
+    const double speed = std::max(0.0, -rows_.normal_speed(k));
+    sums[7] += 1.0;
+    sums[8] += speed;
+    if (listener_) listener_(b, i, speed);
+  }
+  rows_.clear();
+  add(&sums[0], -1.0 * all_force);
+  add(&sums[3], -1.0 * all_moment);
+  sums[6] += dot(all_moment, body.spin());
+}
+
+void FixWall::wear_off(std::size_t b, std::size_t k) {
   Wear& wear = wear_[b];
   if (wear.by_sliding.empty()) return;  // no mesh
+  const auto& [i, slot, begins, touch] = queued_[k];
   const std::size_t part = bodies_[b].surface->part_at(touch);
-  wear.by_sliding[part] += archard_volume(wear_settings_.archard, pushed.normal_force, norm(pushed.slip) * update->dt);
-  if (impact)
-    wear.by_impacts[part] += finnie_volume(wear_settings_.finnie, approach.mass, norm(approach.velocity),
-                                           -dot(approach.velocity, approach.normal));
+  wear.by_sliding[part] +=
+      archard_volume(wear_settings_.archard, rows_.normal_force(k), rows_.slip_speed(k) * update->dt);
+  if (begins)
+    wear.by_impacts[part] +=
+        finnie_volume(wear_settings_.finnie, atom->rmass[i], rows_.speed(k), -rows_.normal_speed(k));
 }
 
 Wear FixWall::wear_of_all_ranks(std::size_t b) const {
@@ -348,72 +359,6 @@ std::vector<Triangle> FixWall::triangles(std::size_t b) {
   for (Triangle& triangle : triangles)
     for (Vector3& corner : triangle) corner = bodies_[b].to_lab(corner);
   return triangles;
-}
-
-// ---- memory that follows the particles ----
-
-void FixWall::grow_arrays(int n) {
-  book_.resize(static_cast<std::size_t>(n));
-  for (Watch& watch : watches_) watch.resize(static_cast<std::size_t>(n));
-}
-void FixWall::copy_arrays(int from, int to, int) {
-  book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
-  for (Watch& watch : watches_) watch.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
-}
-void FixWall::forget_looks(int particle) {
-  for (Watch& watch : watches_) watch.forget(static_cast<std::size_t>(particle));
-}
-
-void FixWall::set_arrays(int particle) {
-  book_.clear(static_cast<std::size_t>(particle));
-  forget_looks(particle);
-}
-
-int FixWall::pack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), buffer));
-}
-
-int FixWall::unpack_exchange(int particle, double* buffer) {
-  forget_looks(particle);
-  return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), buffer));
-}
-
-// LIGGGHTS wants the length first.
-int FixWall::pack_restart(int particle, double* buffer) {
-  buffer[0] = static_cast<double>(size_restart(particle));
-  book_.pack(static_cast<std::size_t>(particle), buffer + 1);
-  return size_restart(particle);
-}
-
-// Our values come after those of nth other fixes.
-void FixWall::unpack_restart(int particle, int nth) {
-  forget_looks(particle);
-  const double* values = atom->extra[particle];
-  for (int k = 0; k < nth; ++k) values += static_cast<int>(values[0]);
-  book_.unpack(static_cast<std::size_t>(particle), values + 1);
-}
-
-int FixWall::size_restart(int particle) {
-  return 1 + static_cast<int>(book_.packed_size(static_cast<std::size_t>(particle)));
-}
-
-int FixWall::maxsize_restart() { return 1 + static_cast<int>(TouchBook::kMostPacked); }
-
-void FixWall::write_restart(FILE* file) {
-  std::vector<Wear> wear;
-  for (std::size_t b = 0; b < wear_.size(); ++b) wear.push_back(wear_of_all_ranks(b));
-  if (comm->me != 0) return;
-  const std::string state = wall_state(bodies_, wear);
-  const int size = static_cast<int>(state.size() + 1);
-  fwrite(&size, sizeof size, 1, file);
-  fwrite(state.c_str(), 1, state.size() + 1, file);
-}
-
-void FixWall::restart(char* state) {
-  const Status same = set_wall_state(state, bodies_, wear_);
-  if (!same) end_if_failed(world, Error{"fix " + std::string(id) + " (granary/wall): " + same.error().message});
-  if (comm->me != 0)
-    for (Wear& wear : wear_) wear = Wear(wear.by_sliding.size());  // rank 0 goes on with that of all
 }
 
 }  // namespace granary::dem

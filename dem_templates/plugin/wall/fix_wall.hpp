@@ -14,6 +14,7 @@
 #include "common/result.hpp"
 #include "dem_templates/plugin/input/fix_arguments.hpp"
 #include "dem_templates/plugin/wall/touch_book.hpp"
+#include "dem_templates/plugin/wall/wall_rows.hpp"
 #include "dem_templates/plugin/wall/wall_settings.hpp"
 #include "dem_templates/plugin/wall/watch.hpp"
 #include "dem_templates/plugin/walls.hpp"
@@ -88,19 +89,16 @@ class FixWall : public LAMMPS_NS::Fix {
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
-  struct Push {
-    Vector3 force{};   ///< [N]
-    Vector3 moment{};  ///< about the body's origin [N m]
-  };
-  /// Of one body on one particle that is at `here` in the body's frame and touches it as found_ says. Returns all that
-  /// pushes the particle, in the body's frame.
-  Push push(std::size_t body, int particle, const Vector3& here, bool frozen);
+  /// What found_ says of a particle and a body, for push_queued(); that comes first if there is no room.
+  void queue(std::size_t body, int particle, bool frozen);
+  /// Forces of what is queued, on the particles, on the body, on whoever listens.
+  void push_queued(std::size_t body, bool frozen);
+  void say_full();
   /// Ends the run if the particle has leapt to the other side of the surface.
   void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
   void forget_looks(int particle);
-  /// Adds to the wear of the triangle that is touched.
-  void wear_off(std::size_t body, const SurfaceTouch& touch, const WallApproach& approach, const WallForce& pushed,
-                bool impact);
+  /// Adds to the wear of the triangle that queued touch k touches.
+  void wear_off(std::size_t body, std::size_t k);
   /// Of all ranks, on rank 0; nothing on the others.
   Wear wear_of_all_ranks(std::size_t body) const;
   void write_wear();
@@ -123,8 +121,16 @@ class FixWall : public LAMMPS_NS::Fix {
 
   ImpactListener listener_;
   TouchListener touch_listener_;
-  std::vector<SurfaceTouch> found_;  ///< scratch: of one particle and one body
-  TouchBook::Page new_;              ///< scratch: of one particle and one body, touches without a past
+  std::vector<SurfaceTouch> found_;        ///< scratch: of one particle and one body
+  std::vector<RememberedTouch> touching_;  ///< scratch: the same, for the page
+  struct Queued {
+    int particle = 0;
+    std::size_t slot = 0;  ///< of its page; kMost: it has none
+    bool begins = false;
+    SurfaceTouch touch;
+  };
+  WallRows rows_;                                 ///< scratch: of one body
+  std::array<Queued, WallRows::kMost> queued_{};  ///< of each row
   double largest_overlap_ = 0.0;
   bool said_full_ = false;
   long summed_step_ = -1;
