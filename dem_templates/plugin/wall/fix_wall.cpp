@@ -245,7 +245,8 @@ void FixWall::push_queued(std::size_t b, bool frozen) {
       book_.page(static_cast<std::size_t>(i)).touch[slot].history = rows_.history(k);
     if (!wear_.empty() && !frozen) wear_off(b, k);
     if (!begins) continue;
-    const double speed = std::max(0.0, -rows_.normal_speed(k));
+    const double speed = -rows_.normal_speed(k);
+    if (!(speed > 0.0)) continue;  // begun while parting, as a pinched particle does in step after step: no impact
     sums[7] += 1.0;
     sums[8] += speed;
     if (listener_) listener_(b, i, speed);
