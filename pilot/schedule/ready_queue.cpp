@@ -1,6 +1,7 @@
 #include "pilot/schedule/ready_queue.hpp"
 
 #include <algorithm>
+#include <boost/container_hash/hash.hpp>
 #include <cmath>
 #include <functional>
 
@@ -21,11 +22,11 @@ std::optional<TaskId> task_of(std::uint64_t number) {
 }  // namespace
 
 std::size_t ReadyQueue::HashKey::operator()(const Key& key) const {
-  std::uint64_t hash = 0;
-  for (const auto part : {std::int64_t{key.layout.nodes}, std::int64_t{key.layout.large},
-                          std::int64_t{key.layout.small}, key.layout.memory, std::int64_t{key.bucket * 2 + key.spread}})
-    hash = (hash ^ (hash >> 29U) ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15ULL;
-  return hash ^ (hash >> 32U);
+  std::size_t hash = 0;
+  for (const auto part : {key.layout.nodes, key.layout.large, key.layout.small, key.bucket * 2 + key.spread})
+    boost::hash_combine(hash, part);
+  boost::hash_combine(hash, key.layout.memory);
+  return hash;
 }
 
 int ReadyQueue::bucket_of(double duration) {
