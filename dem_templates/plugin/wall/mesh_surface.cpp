@@ -212,7 +212,10 @@ double MeshSurface::find_touching(const Vector3& centre, double radius, Nearby& 
     clear2 = std::min(clear2, least2);
     if (least2 >= radius * radius) continue;
     if (outside <= 0.0) {
-      near_.push_back({std::abs(h), f, Candidate::Kind::inside, {}});
+      Candidate& inside = near_.emplace_back();  // in place: a copy waits for what was just written
+      inside.distance = std::abs(h);
+      inside.face = f;
+      inside.kind = Candidate::Kind::inside;
       continue;
     }
     const Candidate candidate = on_rim(f, centre, radius, over);
