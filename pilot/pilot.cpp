@@ -129,7 +129,8 @@ Result<std::string> Pilot::explain(const std::string& name) const {
 
 json::Value Pilot::answer_submit(const json::Value& task) {
   json::Problems problems;
-  json::Reader reader(task, "request", problems);
+  const std::string called = task.text_or("name", "");
+  json::Reader reader(task, called.empty() ? "request" : fmt::format("task \"{}\"", called), problems);
   TaskSpec spec = read_task(reader);
   if (!problems.empty()) return json::Value::object({{"error", problems.error().message}});
   if (stopping()) return json::Value::object({{"error", "the pilot is stopping; it takes no tasks any more"}});

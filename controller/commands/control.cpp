@@ -112,12 +112,13 @@ Result<Exit> stop(const fs::path& dir) {
 Result<Exit> explain(const fs::path& dir, const std::string& task) {
   if (pilot::pilot_is_alive(dir)) {
     GRANARY_TRY(const auto answer, pilot::ask_pilot(dir, json::Value::object({{"ask", "explain"}, {"task", task}})));
-    fmt::print("{}\n", answer.text_or("text", ""));
+    fmt::print("{}", answer.text_or("text", ""));
     return Exit::ok;
   }
   GRANARY_TRY(const auto past, past_of(dir));
   GRANARY_TRY(const std::string text, past->pilot->explain(task));
-  fmt::print("{}\n", text);
+  fmt::print("{}", text);
+  if (!past->pilot->idle()) fmt::print("No pilot is alive here. Go on with: {}\n", how_to_go_on(dir));
   return Exit::ok;
 }
 

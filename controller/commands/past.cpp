@@ -2,11 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+#include <vector>
+
 #include "controller/coupling/update.hpp"
 #include "controller/run/file_handover.hpp"
 
 namespace granary::commands {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// The machine of the last pilot that lived here; if none did, what the workflow asks for.
+pilot::Machine last_machine(const pilot::Journal& journal, const campaign::Resources& resources) {
+  pilot::Machine machine;
+  const std::vector<pilot::Record> openings = journal.records("pilot.open");
+  if (!openings.empty()) {
+    for (const json::Value& node : openings.back().payload["nodes"].items_or_none()) {
+      pilot::Node& last = machine.nodes.emplace_back();
+      last.name = node.text_or("name", "");
+      for (std::int64_t cpu = 0; cpu < node.integer_or("cores", 0); ++cpu) last.cpus.push_back(static_cast<int>(cpu));
+    }
+  }
+  if (machine.n_cores() > 0) return machine;
+  return pilot::stated_machine(resources.nodes, resources.cores.value_or(1024));
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
   if (!fs::exists(dir / "journal.jsonl"))
@@ -23,8 +45,8 @@ Result<std::unique_ptr<Past>> past_of(const fs::path& dir) {
       past->coupling = coupling::update(past->coupling, event, settings).next;
     }
   }
-  const auto machine = pilot::stated_machine(campaign.resources.nodes, campaign.resources.cores.value_or(1024));
-  GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, machine}, past->loop, past->launcher, past->journal));
+  pilot::Machine machine = last_machine(past->journal, campaign.resources);
+  GRANARY_TRY(past->pilot, pilot::Pilot::open({dir, std::move(machine)}, past->loop, past->launcher, past->journal));
   return past;
 }
 

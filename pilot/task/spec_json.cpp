@@ -114,11 +114,11 @@ void read_success(json::Reader& task, TaskSpec& spec) {
 void check_paths(json::Reader& task, const TaskSpec& spec) {
   const auto check = [&](const std::string& key, const std::filesystem::path& path) {
     const std::filesystem::path normal = path.lexically_normal();
-    if (!path.is_absolute() && normal.begin() != normal.end() && *normal.begin() == "..") {
-      task.problem(key, "leaves the run directory.", "Give the full path if that is meant.");
-    }
+    const bool leaves = !path.is_absolute() && normal.begin() != normal.end() && *normal.begin() == "..";
+    if (leaves) task.problem(key, "leaves the run directory.", "Give the full path if that is meant.");
+    return !leaves;
   };
-  check("dir", spec.dir);
+  if (!check("dir", spec.dir)) return;  // whatever lies in it leaves too
   check("stdout", spec.dir / spec.stdout_file);
   check("stderr", spec.dir / spec.stderr_file);
   for (const std::filesystem::path& file : spec.produces) check("produces", spec.dir / file);
