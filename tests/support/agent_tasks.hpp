@@ -131,10 +131,11 @@ struct AgentPids {
   int guardian = 0, worker = 0;
 };
 
-/// Whether this is a process that waits for a task: it has its maker's command line, but nothing open except /dev/null.
+/// Whether this is a process that waits for a task: it has its maker's command line, but nothing open except /dev/null
+/// and the task's output to be.
 inline bool is_prepared(const fs::path& process) {
   std::error_code error;
-  return fs::read_symlink(process / "fd/0", error) == "/dev/null" && !fs::exists(process / "fd/3", error);
+  return fs::read_symlink(process / "fd/0", error) == "/dev/null" && !fs::exists(process / "fd/4", error);
 }
 
 /// The agent of a node of a campaign, as this machine sees its two processes.
