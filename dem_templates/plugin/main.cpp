@@ -25,7 +25,7 @@ constexpr const char* kHelp =
     "Usage: granary-dem -in FILE [-log FILE] [-screen FILE|none] [-echo none|screen|log|both] [-var NAME VALUE...]\n"
     "\n"
     "LIGGGHTS 3.8.0 with the fixes granary/wall, granary/bond, granary/agglomerates, granary/tally, granary/outlet,\n"
-    "granary/guard, granary/resize, granary/skin and granary/balance (docs/dem_styles.md).\n"
+    "granary/guard, granary/resize, granary/skin, granary/lists and granary/balance (docs/dem_styles.md).\n"
     "Over several ranks: mpirun -n 2 granary-dem -in FILE\n"
     "\n"
     "SIGTERM, SIGINT, SIGUSR1 (the one mpirun passes on): finish the step, write the restart file, end.\n"
