@@ -112,8 +112,8 @@ void Pilot::State::take_up() {
   for (const TaskId id : active_tasks()) {
     const Task& task = table.at(id);
     const bool was_alive = launcher.end_orphan({task.last().pid, task.last().start_ticks}, mark_of(task.attempt_id()));
-    happens({now(), Lost{task.attempt_id(), was_alive ? "the pilot died; the task still ran and was ended"
-                                                      : "the pilot died, and the task with it"}});
+    happens({now(), Lost{task.attempt_id(),
+                         was_alive ? "the pilot died; the task still ran and was ended" : "the pilot died under it"}});
   }
   for (std::size_t k = 0; k < table.tasks.size(); ++k) {
     if (table.tasks[k].resumable) happens({now(), Reopened{table.tasks[k].id}});
