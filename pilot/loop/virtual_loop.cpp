@@ -13,8 +13,7 @@ TimerId VirtualLoop::at(double time, std::function<void()> fn) {
   free_slots_.pop_back();
   slots_[slot].fn = std::move(fn);
   const std::uint32_t use = slots_[slot].use;
-  heap_.push_back({std::max(time, now_), ++n_asked_, slot, use});
-  std::push_heap(heap_.begin(), heap_.end());
+  heap_.push({std::max(time, now_), ++n_asked_, slot, use});
   return TimerId{std::uint64_t{use} << 32U | slot};
 }
 
@@ -33,22 +32,17 @@ void VirtualLoop::cancel(TimerId timer) {
 
 /// Takes cancelled events off the front; whether anything is left to happen.
 bool VirtualLoop::drop_cancelled() {
-  while (!heap_.empty() && !is_live(heap_.front())) {
-    std::pop_heap(heap_.begin(), heap_.end());
-    heap_.pop_back();
-  }
+  while (!heap_.empty() && !is_live(heap_.top())) heap_.pop();
   return !heap_.empty() || !posted_.empty();
 }
 
 void VirtualLoop::fire_first() {
   const bool timer_first =
-      !heap_.empty() &&
-      (posted_.empty() || (heap_.front().time <= now_ && heap_.front().asked < posted_.front().asked));
+      !heap_.empty() && (posted_.empty() || (heap_.top().time <= now_ && heap_.top().asked < posted_.front().asked));
   std::function<void()> fn;
   if (timer_first) {
-    const Due due = heap_.front();
-    std::pop_heap(heap_.begin(), heap_.end());
-    heap_.pop_back();
+    const Due due = heap_.top();
+    heap_.pop();
     now_ = due.time;
     fn = std::move(slots_[due.slot].fn);
     release(due.slot);
@@ -66,7 +60,7 @@ void VirtualLoop::run() {
 
 void VirtualLoop::run_until(double time) {
   stopped_ = false;
-  while (!stopped_ && drop_cancelled() && (!posted_.empty() || heap_.front().time <= time)) fire_first();
+  while (!stopped_ && drop_cancelled() && (!posted_.empty() || heap_.top().time <= time)) fire_first();
   if (!stopped_) now_ = std::max(now_, time);
 }
 

@@ -2,6 +2,7 @@
 // microseconds.
 #pragma once
 
+#include <boost/heap/d_ary_heap.hpp>
 #include <cstdint>
 #include <deque>
 #include <vector>
@@ -53,7 +54,7 @@ class VirtualLoop final : public EventLoop {
   double wall_start_;
   bool stopped_ = false;
   std::uint64_t n_asked_ = 0;
-  std::vector<Due> heap_;
+  boost::heap::d_ary_heap<Due, boost::heap::arity<4>> heap_;
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_slots_;
   std::deque<Posted> posted_;
