@@ -129,5 +129,15 @@ TEST(WallHard, WorksWhereARankHasNoParticles) {
   EXPECT_GT(one.back().at(1).v[1], 0.1);
 }
 
+TEST(WallHard, WorksWhereTheBoxHasMoreTypesThanAnythingHas) {
+  const Folder folder;
+  const std::string end = ours("plane low 0 0 0 0 0 1") + particles({{0, 0, 0.002, 0, 0, -1, 0.004}}) + run(200, 20);
+  Law more;
+  more.types = 3;
+  const auto two = frames_of(folder, deck({}) + end), three = frames_of(folder, deck(more) + end);
+  EXPECT_EQ(0.0, difference(two, three));
+  EXPECT_GT(three.back().at(1).v[2], 0.1) << "it has bounced";
+}
+
 }  // namespace
 }  // namespace granary::dem::test

@@ -80,6 +80,7 @@ struct Law {
   double gravity = 9.81;
   double wall_young = kWallYoung, time_step = kTimeStep;
   std::string more;  ///< commands before the box's contents, e.g. processors
+  int types = 2;     ///< of the box; nothing has those above 2
 };
 
 /// Type 1: particles, type 2: walls. `state`: a box, or the name of a restart file.
@@ -88,14 +89,18 @@ inline std::string deck(const Law& law, const std::string& state = "-0.06 0.06 -
   text << "atom_style granular\natom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\n"
        << "units si\n"
        << law.more
-       << (state.find(' ') == std::string::npos ? "read_restart " + state + "\n"
-                                                : "region box block " + state + " units box\ncreate_box 2 box\n")
+       << (state.find(' ') == std::string::npos
+               ? "read_restart " + state + "\n"
+               : "region box block " + state + " units box\ncreate_box " + std::to_string(law.types) + " box\n")
        << "neighbor 0.001 bin\nneigh_modify delay 0\n"
-       << "fix m1 all property/global youngsModulus peratomtype " << kYoung << " " << law.wall_young << "\n"
-       << "fix m2 all property/global poissonsRatio peratomtype " << kPoisson << " " << kPoisson << "\n";
+       << "fix m1 all property/global youngsModulus peratomtype " << kYoung;
+  for (int t = 1; t < law.types; ++t) text << " " << law.wall_young;
+  text << "\nfix m2 all property/global poissonsRatio peratomtype";
+  for (int t = 0; t < law.types; ++t) text << " " << kPoisson;
+  text << "\n";
   const auto pairs = [&](const char* name, const char* property, double value) {
-    text << "fix " << name << " all property/global " << property << " peratomtypepair 2";
-    for (int k = 0; k < 4; ++k) text << " " << value;
+    text << "fix " << name << " all property/global " << property << " peratomtypepair " << law.types;
+    for (int k = 0; k < law.types * law.types; ++k) text << " " << value;
     text << "\n";
   };
   pairs("m3", "coefficientRestitution", law.restitution);

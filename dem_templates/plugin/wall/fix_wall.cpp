@@ -112,7 +112,7 @@ void FixWall::read_materials() {
   if (cohesion_) connect("cohEnergyDens", &MODEL_PARAMS::createCohesionEnergyDensity, cohesion_density_);
 
   materials_.assign(static_cast<std::size_t>(atom->ntypes) + 1, {});
-  for (int t = 1; t <= atom->ntypes; ++t) {
+  for (int t = 1; t <= registry.max_type(); ++t) {  // what no particle and no wall has, LIGGGHTS makes no numbers for
     materials_[static_cast<std::size_t>(t)] = {
         .young = young_[t][type_],
         .shear = shear_[t][type_],
