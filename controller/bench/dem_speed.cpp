@@ -15,6 +15,8 @@
 #include "controller/bench/dem_run.hpp"
 #include "controller/bench/dem_tallied.hpp"
 #include "dem_templates/geometry/machine.hpp"
+#include "dem_templates/geometry/mesh.hpp"
+#include "dem_templates/geometry/stl.hpp"
 #include "pilot/schedule/machine.hpp"
 
 namespace granary::bench {
@@ -29,6 +31,7 @@ struct SpeedCase {
   std::vector<int> ranks{1};
   long stock_steps, granary_steps;  ///< of a repeat: about a second each
   long tallied_steps;               ///< for rates and speeds; 0: not looked at
+  int split = 1;                    ///< each triangle of vessel and impeller in split^2: the same shape
 };
 
 constexpr double kTurn = 0.03;  // 2000 rpm
@@ -41,8 +44,9 @@ std::vector<SpeedCase> speed_cases(Effort effort) {
   const Fill usual{{0.004, 2300}}, many{{0.00245, 10000}};
   return {{"cm5, 2000 rpm", mixer_case(usual, kTurn, 3), {1}, steps(1000), steps(4000), steps(12000)},
           {"cm5, 2000 rad/s", mixer_case(usual, kFastTurn, 3), {1}, steps(300), steps(1500), steps(3000)},
-          {"cm5, 7 times the triangles", mixer_case(usual, kTurn, 8), {1}, steps(150), steps(4000), 0},
-          {"cm5, 10 times the triangles", mixer_case(usual, kTurn, 10), {1}, steps(150), steps(4000), 0},
+          {"cm5, 16 times the triangles", mixer_case(usual, kTurn, 3), {1}, steps(150), steps(4000), 0, 4},
+          {"cm5, 7 times, rounder", mixer_case(usual, kTurn, 8), {1}, steps(150), steps(4000), 0},
+          {"cm5, 10 times, rounder", mixer_case(usual, kTurn, 10), {1}, steps(150), steps(4000), 0},
           {"cm5, 10 000 particles", mixer_case(many, kTurn, 3), {1, 2}, steps(300), steps(1200), 0}};
 }
 
@@ -79,8 +83,25 @@ Result<double> best_stock_skin(const Runner& runner, Value& row) {
   return best;
 }
 
-std::int64_t impeller_triangles(const dem::DemCase& c) {
-  return static_cast<std::int64_t>(dem::mixer_impeller(c.machine.mixer, c.machine.refinement).triangle.size());
+std::int64_t impeller_triangles(const SpeedCase& one) {
+  const dem::Machine& machine = one.dem.machine;
+  return static_cast<std::int64_t>(dem::mixer_impeller(machine.mixer, machine.refinement).triangle.size()) * one.split *
+         one.split;
+}
+
+/// Gives the case its own meshes, split, as files.
+Status split_triangles(SpeedCase& one, const fs::path& folder) {
+  if (one.split == 1) return {};
+  dem::Machine& machine = one.dem.machine;
+  GRANARY_CHECK(make_folders(folder));
+  const auto write = [&](const char* name, const dem::Mesh& mesh) {
+    return write_text_atomically(folder / name, dem::stl_text(dem::refine(mesh, one.split), name));
+  };
+  GRANARY_CHECK(write("shell.stl", dem::mixer_shell(machine.mixer, machine.refinement)));
+  GRANARY_CHECK(write("impeller.stl", dem::mixer_impeller(machine.mixer, machine.refinement)));
+  machine.shell_stl = folder / "shell.stl";
+  machine.impeller_stl = folder / "impeller.stl";
+  return {};
 }
 
 /// Rates and speeds of both kinds of walls from the same state, each by granary-dem with its tally.
@@ -122,7 +143,7 @@ Result<Value> rows_of(const SpeedCase& one, Effort effort, const fs::path& scrat
   const Runner runner{one, state};
   Value common = Value::object({{"case", one.name},
                                 {"particles", static_cast<std::int64_t>(state.particles)},
-                                {"impeller_triangles", impeller_triangles(one.dem)},
+                                {"impeller_triangles", impeller_triangles(one)},
                                 {"time_step_s", one.dem.time_step},
                                 {"load", load_of_machine()}});
   say(fmt::format("{}: the best skin for stock LIGGGHTS", one.name));
@@ -181,6 +202,7 @@ Result<Value> speed_rows(Effort effort, const fs::path& scratch, const Say& say)
   Value rows = Value::array();
   for (SpeedCase& one : speed_cases(effort)) {
     std::erase_if(one.ranks, [&](int ranks) { return ranks > machine.n_cores(); });
+    GRANARY_CHECK(split_triangles(one, scratch / fmt::format("meshes-{}", fingerprint(one.name))));
     GRANARY_TRY(const Value some, rows_of(one, effort, scratch, say));
     for (const Value& row : some.items()) rows.push(row);
   }
