@@ -17,8 +17,8 @@ struct SkinCost {
   double cost(double particles) const;
 };
 
-/// Fifteen candidates from a tenth of the largest diameter to one and a half, with the pairs of these particles (of one rank).
-/// largest_radius [m] and speed of the fastest [m/s] are of all ranks.
+/// Fifteen candidates from a tenth of the largest diameter to one and a half, with the pairs of these particles (of one
+/// rank). largest_radius [m] and speed of the fastest [m/s] are of all ranks.
 std::vector<SkinCost> try_skins(const std::vector<Sphere>& particles, double largest_radius, double speed,
                                 double time_step);
 
