@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "common/every_width.hpp"
 #include "common/units.hpp"
-#include "pbm_solver/model/every_width.hpp"
 
 namespace granary::pbm {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <math.h>  // not <cmath>: the vector forms belong to the global names
 
+#include "common/every_width.hpp"
 #include "common/units.hpp"
-#include "pbm_solver/model/every_width.hpp"
 
 namespace granary::pbm {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pbm_solver/model/every_width.hpp"
+#include "common/every_width.hpp"
 
 namespace granary::pbm {
 namespace {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/every_width.hpp"
+
 namespace granary::dem {
 namespace {
 
@@ -86,12 +88,10 @@ template <bool frozen, bool damped>
   }
 }
 
-#define GRANARY_FOR_EACH_WIDTH [[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]]
-
-GRANARY_FOR_EACH_WIDTH void advance_damped(const Rows& r, std::size_t n, const BondMaterial& material, double dt) {
+GRANARY_EVERY_WIDTH void advance_damped(const Rows& r, std::size_t n, const BondMaterial& material, double dt) {
   advance_rows<false, true>(r, n, material, dt);
 }
-GRANARY_FOR_EACH_WIDTH void advance_undamped(const Rows& r, std::size_t n, const BondMaterial& material, double dt) {
+GRANARY_EVERY_WIDTH void advance_undamped(const Rows& r, std::size_t n, const BondMaterial& material, double dt) {
   advance_rows<false, false>(r, n, material, dt);
 }
 void hold(const Rows& r, std::size_t n, const BondMaterial& material, double dt) {

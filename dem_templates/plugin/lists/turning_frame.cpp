@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/every_width.hpp"
+
 namespace granary::dem {
 namespace {
 
@@ -15,10 +17,8 @@ struct Then {
 
 // Every particle comes through here in every step: written so that the compiler can take several at once. Numbers that
 // are not negative are in the order of their bits, and what is no number comes last.
-[[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]] double farthest2(const double* a, const double* b,
-                                                                                       const double* c, std::size_t n,
-                                                                                       const Then& then, double cosine,
-                                                                                       double sine) {
+GRANARY_EVERY_WIDTH double farthest2(const double* a, const double* b, const double* c, std::size_t n, const Then& then,
+                                     double cosine, double sine) {
   std::int64_t farthest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double da = a[3 * i] - then.a[i];

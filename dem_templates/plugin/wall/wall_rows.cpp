@@ -1,5 +1,7 @@
 #include "dem_templates/plugin/wall/wall_rows.hpp"
 
+#include "common/every_width.hpp"
+
 namespace granary::dem {
 namespace {
 
@@ -45,15 +47,13 @@ template <RollingModel rolling, bool frozen>
   }
 }
 
-#define GRANARY_FOR_EACH_WIDTH [[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]]
-
-GRANARY_FOR_EACH_WIDTH void advance_sliding(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
+GRANARY_EVERY_WIDTH void advance_sliding(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
   advance_rows<RollingModel::none, false>(numbers, n, frame, dt);
 }
-GRANARY_FOR_EACH_WIDTH void advance_cdt(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
+GRANARY_EVERY_WIDTH void advance_cdt(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
   advance_rows<RollingModel::cdt, false>(numbers, n, frame, dt);
 }
-GRANARY_FOR_EACH_WIDTH void advance_epsd2(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
+GRANARY_EVERY_WIDTH void advance_epsd2(double* numbers, std::size_t n, const Rows::Frame& frame, double dt) {
   advance_rows<RollingModel::epsd2, false>(numbers, n, frame, dt);
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/every_width.hpp"
+
 namespace granary::dem {
 namespace {
 
@@ -17,10 +19,8 @@ struct Looks {
 
 // Every particle and body comes through here in every step: written so that the compiler can take several particles
 // at once, and compiled for the width of each processor. No number counts as moved.
-[[gnu::target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")]] void find_moved(const Frame& frame,
-                                                                                      const double* places,
-                                                                                      std::size_t n, const Looks& looks,
-                                                                                      std::uint8_t* moved) {
+GRANARY_EVERY_WIDTH void find_moved(const Frame& frame, const double* places, std::size_t n, const Looks& looks,
+                                    std::uint8_t* moved) {
   const auto [r, shift] = frame;
   const Vector3 r0 = r.row[0], r1 = r.row[1], r2 = r.row[2], s = shift;
   const float *was_x = looks.x, *was_y = looks.y, *was_z = looks.z, *room2 = looks.room2;
