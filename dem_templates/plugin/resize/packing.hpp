@@ -21,7 +21,7 @@ class SphereGrid {
   /// reach: the largest distance between centres that is asked for [m].
   SphereGrid(const Vector3& low, const Vector3& high, double reach);
   void add(int sphere, const Vector3& centre);
-  void clear();
+  void remove(int sphere, const Vector3& centre);  // that it was added with
   /// Calls found(sphere) for each sphere in the cells around a point: all within reach, and some beyond.
   template <class Found>
   void around(const Vector3& point, Found&& found) const {

@@ -198,6 +198,33 @@ TEST(ResizePlan, FreesAParticleThatGrewInANarrowGap) {
   EXPECT_LE(overlap_of(all_of(*plan), slot), ResizeOptions{}.overlap);
 }
 
+// How often a relaxation looks at the walls is how much it does.
+class CountedBox : public BoxSpace {
+ public:
+  using BoxSpace::BoxSpace;
+  void walls_near(const Vector3& p, double reach, std::vector<NearWall>& found) const override {
+    ++looks;
+    BoxSpace::walls_near(p, reach, found);
+  }
+  mutable int looks = 0;
+};
+
+TEST(Relaxation, LooksNoMoreAtSpheresThatHaveComeToRest) {
+  const CountedBox box({0.1, 0.04, 0.05});
+  constexpr int kOthers = 400;
+  std::vector<Sphere> spheres{{{0.0005, 0.02, 0.02}, 0.003, 0.0, 0.001}};  // too near to the end, and must stay there
+  for (int k = 0; k < kOthers; ++k)
+    spheres.push_back({{0.05 + 0.0021 * (k % 20), 0.0009, 0.0012 + 0.0021 * (k / 20)}, 0.001, 0.0, 0.1});
+
+  const Relaxation done = relax(spheres, box, 0, 0.02, 2000);
+
+  EXPECT_GE(done.sweeps, 400);
+  EXPECT_GT(done.overlap, 0.5);
+  EXPECT_LT(box.looks, 10 * kOthers + 20 * done.sweeps);
+  spheres.erase(spheres.begin());
+  EXPECT_LE(largest_overlap(spheres, box), 0.02);
+}
+
 TEST(ResizePlan, RefusesWhatCannotFit) {
   const ResizePopulation population =
       two_compartments(std::vector<double>(20, 0.004), std::vector<double>(3000, 0.004));
