@@ -8,7 +8,7 @@ namespace granary::dem {
 namespace {
 
 constexpr double kFarthestMove = 0.25;  // of its radius, per sweep
-constexpr double kSkin = 0.3;           // of the mean radius: how far neighbours are looked for beyond touching
+constexpr double kSkin = 1.0;           // of the mean radius: how far neighbours are looked for beyond touching
 constexpr int kPatience = 400;          // sweeps without a gain: what is left is trapped
 constexpr double kGain = 0.95;
 constexpr int kSweepsBetweenChecks = 5;
@@ -52,6 +52,7 @@ class Relaxer {
 
   void look_at_all() {
     active_.resize(spheres_.size());
+    is_active_.assign(spheres_.size(), true);
     std::iota(active_.begin(), active_.end(), std::size_t{0});
   }
 
@@ -59,12 +60,14 @@ class Relaxer {
     seen_.clear();
     for (const std::size_t s : active_) see(s);
     for (const std::size_t s : active_)
-      for (const std::size_t other : near_[s]) push_apart(s, other);
+      for (const std::size_t other : near_[s])
+        if (other > s || !is_active_[other]) push_apart(s, other);
     for (const std::size_t s : seen_) hold(s);
 
     active_.clear();
     for (const std::size_t s : seen_) {
       if (is_pushed_[s]) active_.push_back(s);
+      is_active_[s] = is_pushed_[s];
       is_seen_[s] = is_pushed_[s] = false;
     }
   }
@@ -175,7 +178,7 @@ class Relaxer {
   std::vector<std::vector<std::size_t>> near_;  // each pair in both
   std::vector<bool> near_wall_;
   std::vector<std::size_t> active_, seen_;  // by the next sweep, by this one
-  std::vector<bool> is_seen_, is_pushed_;
+  std::vector<bool> is_active_, is_seen_, is_pushed_;
   std::vector<NearWall> walls_;
 };
 
