@@ -123,8 +123,7 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   pilot::TaskSpec task;
   task.command = {
       (programs_ / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
-  task.ranks = burst.ranks;
-  task.mpi = true;
+  task.ranks = burst.ranks;  // one needs no mpirun, and starts the sooner
   task.produces = {"restart.liggghts", "tallies.jsonl"};
   return task;
 }

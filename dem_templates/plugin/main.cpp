@@ -11,6 +11,7 @@
 #include <input.h>
 #include <lammps.h>
 
+#include "common/launched_by_mpi.hpp"
 #include "common/version.hpp"
 #include "dem_templates/plugin/ending.hpp"
 #include "dem_templates/plugin/fix_guard.hpp"
@@ -42,6 +43,18 @@ void write_last_state(LAMMPS_NS::LAMMPS& lammps) {
     std::fprintf(stderr, "granary-dem: stopped as asked; the state is in %s\n", guard->restart_file().c_str());
 }
 
+// One rank alone needs no network, no daemon and no list of devices. Open MPI looks for all of them before a lone
+// program's first step, for half a second. Who sets these in the environment knows better.
+void start_mpi(int& argc, char**& argv) {
+  if (!granary::launched_by_mpi()) {
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_pml", "ob1", 0);
+    setenv("OMPI_MCA_btl", "self", 0);
+    setenv("HWLOC_COMPONENTS", "-pci,-linuxio", 0);
+  }
+  MPI_Init(&argc, &argv);
+}
+
 bool given(int argc, char** argv, const char* word) { return argc > 1 && std::strcmp(argv[1], word) == 0; }
 
 const char* input_script(int argc, char** argv) {
@@ -67,7 +80,7 @@ int main(int argc, char** argv) {
   }
 
   granary::dem::install_stop_signals();
-  MPI_Init(&argc, &argv);
+  start_mpi(argc, argv);
   granary::dem::watch_liggghts_errors();
   {
     LAMMPS_NS::LAMMPS lammps(argc, argv, MPI_COMM_WORLD);

@@ -3,26 +3,19 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <vector>
+
+#include "common/launched_by_mpi.hpp"
 
 namespace granary::pbm {
 namespace {
-
-/// A launcher leaves its mark in the environment. Starting MPI without one costs a tenth of a second: too much for
-/// small runs.
-bool launched_by_mpi() {
-  for (const char* mark : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"})
-    if (std::getenv(mark) != nullptr) return true;
-  return false;
-}
 
 constexpr int kDownstream = 1;  // message tag
 
 }  // namespace
 
 Communicator::Communicator() {
-  if (!launched_by_mpi()) return;
+  if (!launched_by_mpi()) return;  // starting MPI costs a tenth of a second: too much for small runs
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
