@@ -8,6 +8,7 @@ namespace granary::dem {
 namespace {
 
 constexpr double kMostCellsPerSphere = 16.0, kMostCellsMore = 1000.0;  // an empty cell costs little, but not nothing
+constexpr std::uint32_t kAtOnce = 4;  // spheres of a row: where it ends can't be foreseen, but most hold no more
 
 }  // namespace
 
@@ -56,7 +57,7 @@ void CellPairs::sort_by_cell(const double* places, const double* radii, std::siz
     ++first_[cell_[i] + 2];
   }
   for (std::size_t c = 2; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  for (std::vector<float>* of : {&x_, &y_, &z_, &reach_}) of->resize(n);
+  for (std::vector<float>* of : {&x_, &y_, &z_, &reach_}) of->resize(n + kAtOnce);
   number_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t k = first_[cell_[i] + 1]++;  // in the end those of the next cell begin there
@@ -70,14 +71,20 @@ void CellPairs::sort_by_cell(const double* places, const double* radii, std::siz
 
 // Without a branch on what is near: one in six is, and nobody can tell which.
 inline void CellPairs::hold_against(std::uint32_t sphere, std::uint32_t first, std::uint32_t last) {
-  if (near_.size() < n_near_ + (last - first)) near_.resize(2 * (n_near_ + (last - first)));
+  if (near_.size() < n_near_ + (last - first) + kAtOnce) near_.resize(2 * (n_near_ + (last - first) + kAtOnce));
   std::uint32_t* const near = near_.data();
   std::size_t n = n_near_;
   const float x = x_[sphere], y = y_[sphere], z = z_[sphere], reach = reach_[sphere] + static_cast<float>(skin_);
-  for (std::uint32_t k = first; k < last; ++k) {
-    const float dx = x - x_[k], dy = y - y_[k], dz = z - z_[k], apart = reach + reach_[k];
-    near[n] = k;
-    n += dx * dx + dy * dy + dz * dz <= apart * apart ? 1 : 0;
+  for (std::uint32_t k = first; k < last; k += kAtOnce) {
+    std::array<bool, kAtOnce> is_near;
+    for (std::uint32_t v = 0; v < kAtOnce; ++v) {
+      const float dx = x - x_[k + v], dy = y - y_[k + v], dz = z - z_[k + v], apart = reach + reach_[k + v];
+      is_near[v] = (dx * dx + dy * dy + dz * dz <= apart * apart) & (k + v < last);
+    }
+    for (std::uint32_t v = 0; v < kAtOnce; ++v) {
+      near[n] = k + v;
+      n += is_near[v] ? 1 : 0;
+    }
   }
   n_near_ = n;
 }

@@ -4,23 +4,31 @@
 
 namespace granary::dem {
 
-double PlaneSurface::touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) {
+void PlaneSurface::look(std::span<Look> looks, std::vector<SurfaceTouch>& found) {
   found.clear();
-  const double h = height(centre);
-  if (std::abs(h) < radius) found.push_back({std::abs(h), centre - h * normal_, (h < 0.0 ? -1.0 : 1.0) * normal_});
-  return std::abs(h);
+  for (Look& look : looks) {
+    const double h = height(look.centre);
+    look.clear = std::abs(h);
+    look.first = static_cast<std::uint32_t>(found.size());
+    look.n = std::abs(h) < look.radius ? 1 : 0;
+    if (look.n > 0) found.push_back({std::abs(h), look.centre - h * normal_, (h < 0.0 ? -1.0 : 1.0) * normal_});
+  }
 }
 
 bool PlaneSurface::between(const Vector3& from, const Vector3& to) const { return height(from) * height(to) < 0.0; }
 
-double CylinderSurface::touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) {
+void CylinderSurface::look(std::span<Look> looks, std::vector<SurfaceTouch>& found) {
   found.clear();
-  const Vector3 outwards = off_axis(centre);
-  const double distance = norm(outwards), height = distance - radius_;
-  if (std::abs(height) >= radius || distance == 0.0) return std::abs(height);
-  const Vector3 away = (1.0 / distance) * outwards;
-  found.push_back({std::abs(height), centre - height * away, (height < 0.0 ? -1.0 : 1.0) * away});
-  return std::abs(height);
+  for (Look& look : looks) {
+    const Vector3 outwards = off_axis(look.centre);
+    const double distance = norm(outwards), height = distance - radius_;
+    look.clear = std::abs(height);
+    look.first = static_cast<std::uint32_t>(found.size());
+    look.n = std::abs(height) < look.radius && distance > 0.0 ? 1 : 0;
+    if (look.n == 0) continue;
+    const Vector3 away = (1.0 / distance) * outwards;
+    found.push_back({std::abs(height), look.centre - height * away, (height < 0.0 ? -1.0 : 1.0) * away});
+  }
 }
 
 bool CylinderSurface::between(const Vector3& from, const Vector3& to) const {

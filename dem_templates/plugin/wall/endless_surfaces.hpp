@@ -11,7 +11,7 @@ namespace granary::dem {
 class PlaneSurface : public Surface {
  public:
   PlaneSurface(const Vector3& point, const Vector3& unit_normal) : point_(point), normal_(unit_normal) {}
-  double touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) override;
+  void look(std::span<Look> looks, std::vector<SurfaceTouch>& found) override;
   bool between(const Vector3& from, const Vector3& to) const override;
 
  private:
@@ -25,7 +25,7 @@ class CylinderSurface : public Surface {
  public:
   CylinderSurface(const Vector3& point, const Vector3& unit_axis, double radius)
       : point_(point), axis_(unit_axis), radius_(radius) {}
-  double touches(const Vector3& centre, double radius, Nearby&, std::vector<SurfaceTouch>& found) override;
+  void look(std::span<Look> looks, std::vector<SurfaceTouch>& found) override;
   /// From inside to outside or back; not a way that leaves and enters again.
   bool between(const Vector3& from, const Vector3& to) const override;
 

@@ -121,17 +121,32 @@ void FaceCells::measure_empty_cells() {
     cells_[c].clear = std::max(cells_[c].clear, static_cast<float>((steps[c] - 0.5) * cell_size_ * kRoundDown));
 }
 
-FaceCells::Near FaceCells::near(const Vector3& point) const {
+bool FaceCells::inside(const Vector3& point) const {
+  for (std::size_t d = 0; d < 3; ++d)
+    if (!(point[d] > low_[d] && point[d] < high_[d])) return false;
+  return true;
+}
+
+std::array<long, 3> FaceCells::cell_of(const Vector3& point) const {
   std::array<long, 3> cell{};
-  for (std::size_t d = 0; d < 3; ++d) {
-    if (!(point[d] > low_[d] && point[d] < high_[d])) {
-      double outside = 0.0;
-      for (std::size_t e = 0; e < 3; ++e)
-        outside = std::max({outside, low_[e] + margin_ - point[e], point[e] - high_[e] + margin_});
-      return {outside, 0.0, {}};
-    }
-    cell[d] = static_cast<long>((point[d] - low_[d]) / cell_size_);
+  for (std::size_t d = 0; d < 3; ++d) cell[d] = static_cast<long>((point[d] - low_[d]) / cell_size_);
+  return cell;
+}
+
+void FaceCells::fetch(const Vector3& point) const {
+  if (!inside(point)) return;
+  const auto [i, j, k] = cell_of(point);
+  __builtin_prefetch(&cells_[index(i, j, k)]);
+}
+
+FaceCells::Near FaceCells::near(const Vector3& point) const {
+  if (!inside(point)) {
+    double outside = 0.0;
+    for (std::size_t e = 0; e < 3; ++e)
+      outside = std::max({outside, low_[e] + margin_ - point[e], point[e] - high_[e] + margin_});
+    return {outside, 0.0, {}};
   }
+  const std::array<long, 3> cell = cell_of(point);
   const std::size_t c = index(cell[0], cell[1], cell[2]);
   const double off_middle = norm(point - middle(cell[0], cell[1], cell[2]));
   return {static_cast<double>(cells_[c].clear) - off_middle, off_middle,

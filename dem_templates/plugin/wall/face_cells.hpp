@@ -26,6 +26,8 @@ class FaceCells {
   FaceCells(std::span<const Face> faces, double reach);
 
   Near near(const Vector3& point) const;
+  /// It will be asked for soon.
+  void fetch(const Vector3& point) const;
 
  private:
   struct Cell {
@@ -38,6 +40,8 @@ class FaceCells {
   void for_cells_near(const Face& face, double widened, WithCell&& with_cell) const;
   void list(std::span<const Face> faces, double reach);
   void measure_empty_cells();
+  bool inside(const Vector3& point) const;
+  std::array<long, 3> cell_of(const Vector3& point) const;
   Vector3 middle(long i, long j, long k) const;
   std::size_t index(long i, long j, long k) const {
     return static_cast<std::size_t>((i * n_cells_[1] + j) * n_cells_[2] + k);

@@ -25,8 +25,6 @@
 namespace granary::dem {
 namespace {
 
-constexpr std::size_t kAhead = 4;  // looks between asking the memory for what is known of a particle and using it
-
 void add(double* to, const Vector3& v) {
   for (std::size_t d = 0; d < 3; ++d) to[d] += v[d];
 }
@@ -74,6 +72,7 @@ void FixWall::init() {
     end_if_failed(world, Error{place + "type " + std::to_string(type_) + " is above the " +
                                std::to_string(atom->ntypes) + " type(s) of the box. See docs/dem_styles.md."});
   read_materials();
+  rows_ = WallRows(rolling_);
 
   for (WallBody& body : bodies_) body.start(static_cast<long>(update->ntimestep), update->dt);
 }
@@ -148,30 +147,41 @@ void FixWall::push(bool frozen) {
     Watch& watch = watches_[b];
     std::fill_n(sums_[b].begin(), 7, 0.0);
     if (n_particles == 0) continue;
+    const double* places = atom->x[0];
+    const double* radii = atom->radius;
     const std::vector<std::uint32_t>& due = watch.due(body, atom->x[0], n_particles);
-    for (std::size_t n = 0; n < due.size(); ++n) {
-      if (n + kAhead < due.size()) {
-        watch.fetch(due[n + kAhead]);
-        book_.fetch(due[n + kAhead]);
+    for (std::size_t first = 0; first < due.size(); first += kMostLooks) {
+      std::size_t n_looks = 0;
+      for (const std::uint32_t i : std::span(due).subspan(first, std::min(kMostLooks, due.size() - first))) {
+        if (!(atom->mask[i] & groupbit)) continue;
+        watch.fetch(i);
+        book_.fetch(i);
+        const Vector3 place = vector_of(places + 3 * i);
+        Look& look = looks_[n_looks++];
+        look.centre = body.turned ? body.to_body(place) : place;
+        look.radius = radii[i];
+        look.nearby = &watch.nearby(i);
+        look.particle = i;
       }
-      const std::uint32_t i = due[n];
-      if (!(atom->mask[i] & groupbit)) continue;
-      const Vector3 place = vector_of(atom->x[i]), here = body.turned ? body.to_body(place) : place;
-      const double clear = body.surface->touches(here, atom->radius[i], watch.nearby(i), found_);
-      if (watch.may_have_passed(i, here, atom->radius[i])) refuse_if_passed(b, static_cast<int>(i), here);
-      watch.looked(i, here, atom->radius[i], clear);
-      if (found_.empty())
-        book_.page(i).forget(static_cast<double>(b));
-      else
-        queue(b, static_cast<int>(i), frozen);
+      const std::span<Look> looks(looks_.data(), n_looks);
+      body.surface->look(looks, found_);
+      for (const Look& look : looks) {
+        if (watch.may_have_passed(look.particle, look.centre, look.radius)) refuse_if_passed(b, look);
+        watch.looked(look.particle, look.centre, look.radius, look.clear, look.n);
+        if (look.n == 0)
+          book_.page(look.particle).forget(static_cast<std::uint8_t>(b));
+        else
+          queue(b, look, frozen);
+      }
+      push_queued(b, frozen);
     }
-    push_queued(b, frozen);
   }
 }
 
-void FixWall::refuse_if_passed(std::size_t b, int i, const Vector3& here) {
+void FixWall::refuse_if_passed(std::size_t b, const Look& look) {
   const WallBody& body = bodies_[b];
-  const Vector3 before = watches_[b].last_place(static_cast<std::size_t>(i));
+  const Vector3 before = watches_[b].last_place(look.particle), here = look.centre;
+  const std::uint32_t i = look.particle;
   if (!body.surface->between(before, here)) return;
   const double speed = norm(body.turn.to_body(vector_of(atom->v[i])) - body.velocity_at(here));
   error->one(FLERR,
@@ -183,45 +193,39 @@ void FixWall::refuse_if_passed(std::size_t b, int i, const Vector3& here) {
                  .c_str());
 }
 
-// The page gets the present normals now and what is remembered when the forces are known.
-void FixWall::queue(std::size_t b, int i, bool frozen) {
-  const WallBody& body = bodies_[b];
-  TouchBook::Page& page = book_.page(static_cast<std::size_t>(i));
-  const auto number = static_cast<double>(b);
-  const double radius = atom->radius[i];
-  const bool impact = !frozen && !page.touched(number);
-
-  std::array<bool, TouchBook::kMost> kept{};
-  touching_.clear();
-  for (const SurfaceTouch& touch : found_) {
-    const std::size_t known = page.find(number, touch.normal, kept);
-    touching_.push_back({number, touch.normal, {}});
-    if (known == page.n) continue;
-    touching_.back().history = page.touch[known].history;
-    kept[known] = true;
-  }
-  page.forget(number);
-  for (std::size_t k = 0; k < found_.size(); ++k) {
-    const SurfaceTouch& touch = found_[k];
-    const double overlap = radius - touch.distance;
-    largest_overlap_ = std::max(largest_overlap_, overlap / radius);
-    if (touch_listener_) touch_listener_(b, i, overlap / radius);
+void FixWall::queue(std::size_t b, const Look& look, bool frozen) {
+  const auto i = static_cast<int>(look.particle);
+  const std::span<const SurfaceTouch> touches = std::span(found_).subspan(look.first, look.n);
+  TouchBook::Page& page = book_.page(look.particle);
+  if (slots_.size() < touches.size()) slots_.resize(touches.size());
+  bool impact = !page.go_on(static_cast<std::uint8_t>(b), touches, slots_.data()) && !frozen;
+  const WallMaterial& material = materials_[static_cast<std::size_t>(atom->type[i])];
+  const double mass = atom->rmass[i];
+  const double *velocity = atom->v[0] + 3 * i, *spin = atom->omega[0] + 3 * i;
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    const SurfaceTouch& touch = touches[k];
     if (rows_.full()) push_queued(b, frozen);
-    queued_[rows_.size()] = {i, page.n, impact && k == 0, touch};
-    if (!page.note(touching_[k])) {
-      queued_[rows_.size()].slot = TouchBook::kMost;
-      say_full();
-    }
-    rows_.add(materials_[static_cast<std::size_t>(atom->type[i])],
-              {.radius = radius,
-               .mass = atom->rmass[i],
-               .overlap = overlap,
-               .normal = touch.normal,
-               .point = touch.point - body.rotation.origin,
-               .velocity = atom->v[i],
-               .spin = atom->omega[i]},
-              touching_[k].history);
+    const std::size_t slot = slots_[k];
+    Queued& queued = queued_[rows_.size()];
+    queued.particle = i;
+    queued.begins = std::exchange(impact, false);
+    queued.touch = &touch;
+    const bool has_place = slot < TouchBook::kMost;
+    queued.shear = has_place ? &page.place[slot].shear : &unknown_.shear;
+    queued.rolling_torque = has_place ? &page.rolling[slot] : &unknown_.rolling_torque;
+    if (!has_place) say_full();
+    rows_.add(material, {.radius = look.radius,
+                         .mass = mass,
+                         .overlap = look.radius - touch.distance,
+                         .normal = touch.normal.data(),
+                         .point = touch.point.data(),
+                         .velocity = velocity,
+                         .spin = spin,
+                         .shear = queued.shear->data(),
+                         .rolling_torque = queued.rolling_torque->data()});
   }
+  if (!touch_listener_) return;
+  for (const SurfaceTouch& touch : touches) touch_listener_(b, i, (look.radius - touch.distance) / look.radius);
 }
 
 void FixWall::say_full() {
@@ -232,41 +236,41 @@ void FixWall::say_full() {
 void FixWall::push_queued(std::size_t b, bool frozen) {
   const WallBody& body = bodies_[b];
   std::array<double, kSums>& sums = sums_[b];
-  rows_.advance({body.turn, body.spin()}, rolling_, update->dt, frozen);
-  Vector3 all_force{}, all_moment{};
+  const WallRows::Sums all = rows_.advance({body.turn, body.spin(), body.rotation.origin}, update->dt, frozen);
+  double *forces = atom->f[0], *torques = atom->torque[0];
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const auto& [i, slot, begins, touch] = queued_[k];
-    const Vector3 pushed = rows_.force(k), turned = rows_.torque(k);
-    add(atom->f[i], pushed);
-    add(atom->torque[i], turned);
-    all_force = all_force + pushed;
-    all_moment = all_moment + cross(vector_of(atom->x[i]) - body.rotation.origin, pushed) + turned;
-    if (!frozen && slot < TouchBook::kMost)
-      book_.page(static_cast<std::size_t>(i)).touch[slot].history = rows_.history(k);
-    if (!wear_.empty() && !frozen) wear_off(b, k);
-    if (!begins) continue;
+    const Queued& queued = queued_[k];
+    add(forces + 3 * queued.particle, rows_.force(k));
+    add(torques + 3 * queued.particle, rows_.torque(k));
+    if (frozen) continue;
+    *queued.shear = rows_.shear(k);
+    if (rolling_ == RollingModel::epsd2) *queued.rolling_torque = rows_.rolling_torque(k);
+    if (!wear_.empty()) wear_off(b, k);
+    if (!queued.begins) continue;
     const double speed = -rows_.normal_speed(k);
     if (!(speed > 0.0)) continue;  // begun while parting, as a pinched particle does in step after step: no impact
     sums[7] += 1.0;
     sums[8] += speed;
-    if (listener_) listener_(b, i, speed);
+    if (listener_) listener_(b, queued.particle, speed);
   }
   rows_.clear();
-  add(&sums[0], -1.0 * all_force);
-  add(&sums[3], -1.0 * all_moment);
-  sums[6] += dot(all_moment, body.spin());
+  unknown_ = {};
+  largest_overlap_ = std::max(largest_overlap_, all.deepest);
+  add(&sums[0], -1.0 * all.force);
+  add(&sums[3], -1.0 * all.moment);
+  sums[6] += dot(all.moment, body.spin());
 }
 
 void FixWall::wear_off(std::size_t b, std::size_t k) {
   Wear& wear = wear_[b];
   if (wear.by_sliding.empty()) return;  // no mesh
-  const auto& [i, slot, begins, touch] = queued_[k];
-  const std::size_t part = bodies_[b].surface->part_at(touch);
+  const Queued& queued = queued_[k];
+  const std::size_t part = bodies_[b].surface->part_at(*queued.touch);
   wear.by_sliding[part] +=
       archard_volume(wear_settings_.archard, rows_.normal_force(k), rows_.slip_speed(k) * update->dt);
-  if (begins)
+  if (queued.begins)
     wear.by_impacts[part] +=
-        finnie_volume(wear_settings_.finnie, atom->rmass[i], rows_.speed(k), -rows_.normal_speed(k));
+        finnie_volume(wear_settings_.finnie, atom->rmass[queued.particle], rows_.speed(k), -rows_.normal_speed(k));
 }
 
 Wear FixWall::wear_of_all_ranks(std::size_t b) const {
@@ -315,15 +319,21 @@ class FixWall::BodyWall : public Wall {
 
   void touches(const std::function<void(const WallTouch&)>& found) const override {
     const LAMMPS_NS::Atom& atom = *fix_.atom;
-    std::vector<SurfaceTouch> touching;
     if (atom.nlocal == 0) return;
-    for (const std::uint32_t i : watch_.due(body_, atom.x[0], static_cast<std::size_t>(atom.nlocal))) {
-      if (!(atom.mask[i] & fix_.groupbit)) continue;
-      body_.surface->touches(body_.to_body(vector_of(atom.x[i])), atom.radius[i], watch_.nearby(i), touching);
-      if (touching.empty()) continue;
-      const SurfaceTouch& deepest = touching[0];
-      found({.particle = static_cast<int>(i),
-             .overlap = (atom.radius[i] - deepest.distance) / atom.radius[i],
+    std::vector<Look> looks;
+    std::vector<SurfaceTouch> touching;
+    for (const std::uint32_t i : watch_.due(body_, atom.x[0], static_cast<std::size_t>(atom.nlocal)))
+      if (atom.mask[i] & fix_.groupbit)
+        looks.push_back({.centre = body_.to_body(vector_of(atom.x[i])),
+                         .radius = atom.radius[i],
+                         .nearby = &watch_.nearby(i),
+                         .particle = i});
+    body_.surface->look(looks, touching);
+    for (const Look& look : looks) {
+      if (look.n == 0) continue;
+      const SurfaceTouch& deepest = touching[look.first];
+      found({.particle = static_cast<int>(look.particle),
+             .overlap = (look.radius - deepest.distance) / look.radius,
              .normal = body_.turn.to_lab(deepest.normal),
              .velocity = body_.turn.to_lab(body_.velocity_at(deepest.point))});
     }

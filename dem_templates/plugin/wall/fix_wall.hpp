@@ -89,13 +89,13 @@ class FixWall : public LAMMPS_NS::Fix {
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
-  /// What found_ says of a particle and a body, for push_queued(); that comes first if there is no room.
-  void queue(std::size_t body, int particle, bool frozen);
+  /// Puts the touches of a look into rows_; pushes those that are there first if there is no room.
+  void queue(std::size_t body, const Look& look, bool frozen);
   /// Forces of what is queued, on the particles, on the body, on whoever listens.
   void push_queued(std::size_t body, bool frozen);
   void say_full();
   /// Ends the run if the particle has leapt to the other side of the surface.
-  void refuse_if_passed(std::size_t body, int particle, const Vector3& here);
+  void refuse_if_passed(std::size_t body, const Look& look);
   void forget_looks(int particle);
   /// Adds to the wear of the triangle that queued touch k touches.
   void wear_off(std::size_t body, std::size_t k);
@@ -121,13 +121,16 @@ class FixWall : public LAMMPS_NS::Fix {
 
   ImpactListener listener_;
   TouchListener touch_listener_;
-  std::vector<SurfaceTouch> found_;        ///< scratch: of one particle and one body
-  std::vector<RememberedTouch> touching_;  ///< scratch: the same, for the page
+  static constexpr std::size_t kMostLooks = 64;
+  std::array<Look, kMostLooks> looks_;  ///< scratch: some of one body
+  std::vector<SurfaceTouch> found_;     ///< scratch: by them
+  std::vector<std::size_t> slots_;      ///< scratch: of one particle's touches on its page
+  TouchHistory unknown_;                ///< of all that have no place on a full page
   struct Queued {
     int particle = 0;
-    std::size_t slot = 0;  ///< of its page; kMost: it has none
     bool begins = false;
-    SurfaceTouch touch;
+    const SurfaceTouch* touch = nullptr;
+    Vector3 *shear = nullptr, *rolling_torque = nullptr;  ///< where they are remembered
   };
   WallRows rows_;                                 ///< scratch: of one body
   std::array<Queued, WallRows::kMost> queued_{};  ///< of each row

@@ -5,17 +5,16 @@
 #include <limits>
 #include <tuple>
 
+#include "common/every_width.hpp"
+
 namespace granary::dem {
 namespace {
 
 constexpr double kReach = 1.5;  // of the largest radius: who looked in vain need not look again for a while
 
+constexpr double kRoundUp = 1.0 + 1e-6;
 constexpr double kFlat = 1e-9;    // of the mesh: corners of a face are off its plane by less
 constexpr double kNearer = 1e-6;  // of the radius: a neighbour that comes nearer by this does so beyond rounding
-
-std::array<float, 3> rounded(const Vector3& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
 
 Vector3 unit(const Vector3& v) { return (1.0 / norm(v)) * v; }
 
@@ -51,18 +50,10 @@ MeshSurface::MeshSurface(std::vector<Triangle> triangles, double smooth)
       sides[k] = {.from = dot(along, start), .to = dot(along, end)};
     }
     if (face.is_triangle()) {
-      for (double* column : {planes.x, planes.y, planes.z, planes.offset}) column[3] = column[2];
+      for (Four* column : {&planes.x, &planes.y, &planes.z, &planes.offset}) (*column)[3] = (*column)[2];
       sides[3] = sides[2];
     }
-    Rounded rounded;
-    for (int k = 0; k < 4; ++k) {
-      rounded.x[k] = static_cast<float>(planes.x[k]), rounded.y[k] = static_cast<float>(planes.y[k]);
-      rounded.z[k] = static_cast<float>(planes.z[k]), rounded.offset[k] = static_cast<float>(planes.offset[k]);
-    }
-    for (std::size_t d = 0; d < 3; ++d) rounded.normal[d] = static_cast<float>(normal[d]);
-    rounded.height = static_cast<float>(planes.height);
     planes_.push_back(planes);
-    rounded_.push_back(rounded);
     sides_.push_back(sides);
   }
   join_sides();
@@ -93,21 +84,18 @@ void MeshSurface::join_sides() {
   }
 }
 
-inline float MeshSurface::rough_distance2(std::uint32_t f, const std::array<float, 3>& p) const {
-  const Rounded& planes = rounded_[f];
-  const Four over = planes.x * p[0] + planes.y * p[1] + planes.z * p[2] - planes.offset;
-  const float outside = std::max(0.0f, std::max(std::max(over[0], over[1]), std::max(over[2], over[3])));
-  const float height = planes.normal[0] * p[0] + planes.normal[1] * p[1] + planes.normal[2] * p[2] - planes.height;
-  return height * height + outside * outside;
+inline MeshSurface::Heights MeshSurface::heights(const Planes& planes, const Vector3& p) {
+  return {planes.x * p[0] + planes.y * p[1] + planes.z * p[2] - planes.offset, dot(planes.normal, p) - planes.height};
 }
 
-inline MeshSurface::Heights MeshSurface::heights(std::uint32_t f, const Vector3& p) const {
-  const Planes& planes = planes_[f];
-  Heights over;
-  for (int k = 0; k < 4; ++k)
-    over.over[k] = planes.x[k] * p[0] + planes.y[k] * p[1] + planes.z[k] * p[2] - planes.offset[k];
-  over.face = height(f, p);
-  return over;
+// Without branches: no sphere waits for another.
+GRANARY_EVERY_WIDTH void MeshSurface::measure(const Planes* planes, const Look* looks, const Pair* pairs, std::size_t n,
+                                              Measured* measured) {
+  for (std::size_t p = 0; p < n; ++p) {
+    const Heights over = heights(planes[pairs[p].face], looks[pairs[p].look].centre);
+    const double beyond = over.beyond(), outside = 0.5 * (beyond + std::abs(beyond));
+    measured[p] = {over.face, beyond, over.face * over.face + outside * outside};
+  }
 }
 
 // The triangle that the point is farthest inside of, or least outside.
@@ -154,151 +142,223 @@ bool MeshSurface::between(const Vector3& from, const Vector3& to) const {
 
 // Where more are near than can be listed, the list is good for a shorter way.
 void MeshSurface::search(const Vector3& centre, const FaceCells::Near& near, Nearby& nearby) const {
-  const auto rough = rounded(centre);
   double complete = near.clear;
-  nearby.n = 0;
+  std::size_t n = 0;
   for (const auto& [f, from_middle] : near.entries) {
     const double least = static_cast<double>(from_middle) - near.off_middle;
     if (least >= complete) break;  // so are all that follow
-    const double distance = std::max(0.0, static_cast<double>(std::sqrt(rough_distance2(f, rough))) - rounding_);
+    const Heights over = heights(f, centre);
+    const double outside = std::max(0.0, over.beyond()),
+                 distance = std::sqrt(over.face * over.face + outside * outside);
     if (distance >= complete) continue;
-    if (nearby.n == Nearby::kMost)
-      complete = std::max(distance, static_cast<double>(nearby.part[nearby.n - 1].distance));
+    if (n == Nearby::kMost) complete = std::max(distance, static_cast<double>(nearby.distance(n - 1)));
     if (distance >= complete) continue;
-    if (nearby.n < Nearby::kMost) ++nearby.n;
-    std::uint32_t place = nearby.n - 1;
-    for (; place > 0 && nearby.part[place - 1].distance > static_cast<float>(distance); --place)
-      nearby.part[place] = nearby.part[place - 1];
-    nearby.part[place] = {f, static_cast<float>(distance)};
+    if (n < Nearby::kMost) ++n;
+    const NearPart here{f, static_cast<float>(distance)};
+    std::size_t place = n - 1;
+    for (; place > 0 && nearby.distance(place - 1) > here.distance; --place) nearby.set(place, nearby.part(place - 1));
+    nearby.set(place, here);
   }
-  nearby.place = rough;
+  nearby.end_after(n);
+  for (std::size_t d = 0; d < 3; ++d) nearby.place[d] = static_cast<float>(centre[d]);
   nearby.complete = static_cast<float>(complete);
 }
 
-double MeshSurface::find_touching(const Vector3& centre, double radius, Nearby& nearby) {
-  near_.clear();
-  std::span<const NearPart> parts(nearby.part.data(), nearby.n);
-  double complete = nearby.complete;
-  double moved = norm(centre - Vector3{nearby.place[0], nearby.place[1], nearby.place[2]}) + rounding_;
-  if (complete < radius + moved) {
-    const FaceCells::Near near = cells_.near(centre);
-    search(centre, near, nearby);
-    complete = nearby.complete;
-    moved = rounding_;
-    parts = {nearby.part.data(), nearby.n};
-    if (complete < radius + moved) {  // so many that they could not be listed
-      parts = near.entries;
-      complete = near.clear + near.off_middle;
-      moved = near.off_middle;
-    }
+inline double MeshSurface::moved(const Look& look) const {
+  const auto& [x, y, z] = look.nearby->place;
+  return norm(look.centre - Vector3{x, y, z}) + rounding_;
+}
+
+// A cell and what it lists lie anywhere in memory: all are asked for before the first is used.
+void MeshSurface::search_again(std::span<Look> looks) {
+  lost_.clear();
+  if (moved_.size() < looks.size()) moved_.resize(looks.size());
+  for (std::uint32_t l = 0; l < looks.size(); ++l) {
+    Look& look = looks[l];
+    moved_[l] = moved(look);
+    if (look.nearby->complete >= look.radius + moved_[l]) continue;
+    cells_.fetch(look.centre);
+    lost_.push_back(l);
   }
-  double clear2 = std::pow(std::max(0.0, complete - moved), 2);
-  const auto rough = rounded(centre);
-  const float touching2 = static_cast<float>((radius + rounding_) * (radius + rounding_));
-  float rough_clear2 = std::numeric_limits<float>::max();
-  for (const auto& [f, distance] : parts) {
-    const double least = static_cast<double>(distance) - moved;
-    if (least >= radius) {  // so are all that follow
-      clear2 = std::min(clear2, least * least);
-      break;
-    }
-    const float rough2 = rough_distance2(f, rough);
-    if (rough2 >= touching2) {
-      rough_clear2 = std::min(rough_clear2, rough2);
-      continue;
-    }
-    const Heights over = heights(f, centre);
-    const double h = over.face, outside = std::max(0.0, over.beyond()), least2 = h * h + outside * outside;
-    clear2 = std::min(clear2, least2);
-    if (least2 >= radius * radius) continue;
-    if (outside <= 0.0) {
-      Candidate& inside = near_.emplace_back();  // in place: a copy waits for what was just written
-      inside.distance = std::abs(h);
-      inside.face = f;
-      inside.kind = Candidate::Kind::inside;
-      continue;
-    }
-    const Candidate candidate = on_rim(f, centre, radius, over);
-    if (candidate.distance < radius) near_.push_back(candidate);
+  searched_.resize(lost_.size());
+  for (std::size_t k = 0; k < lost_.size(); ++k) {
+    searched_[k] = cells_.near(looks[lost_[k]].centre);
+    __builtin_prefetch(searched_[k].entries.data());
   }
-  return std::min(std::sqrt(clear2), static_cast<double>(std::sqrt(rough_clear2)) - rounding_);
+  for (std::size_t k = 0; k < lost_.size(); ++k) {
+    const Look& look = looks[lost_[k]];
+    search(look.centre, searched_[k], *look.nearby);
+    moved_[lost_[k]] = moved(look);
+  }
+}
+
+inline void MeshSurface::find_pairs(Look& look, std::uint32_t number) {
+  const Nearby& nearby = *look.nearby;
+  const double off = moved_[number];
+  if (nearby.complete < look.radius + off) {  // so many that they could not be listed
+    const FaceCells::Near near = cells_.near(look.centre);
+    if (pairs_.size() < n_pairs_ + near.entries.size()) grow(n_pairs_ + near.entries.size());
+    for (const NearPart& part : near.entries) pairs_[n_pairs_++] = {number, part.number};
+    look.clear = near.clear;
+    return;
+  }
+  if (pairs_.size() < n_pairs_ + Nearby::kMost) grow(n_pairs_ + Nearby::kMost);
+  const auto reach = static_cast<float>((look.radius + off) * kRoundUp);
+  std::size_t n = 0;
+  for (const Nearby::Row& row : nearby.row) {
+    std::uint32_t nearer = 0;
+    for (std::size_t k = 0; k < Nearby::kRow; ++k) {
+      pairs_[n_pairs_ + n + k] = {number, row.number[k]};
+      nearer += row.distance[k] < reach ? 1 : 0;
+    }
+    n += nearer;
+    if (nearer < Nearby::kRow) break;
+  }
+  n_pairs_ += n;
+  look.clear = std::max(0.0, static_cast<double>(std::min(nearby.complete, nearby.distance(n))) - off);
 }
 
 // Beyond a side, between its ends, that side is nearest; else a corner is.
-MeshSurface::Candidate MeshSurface::on_rim(std::uint32_t f, const Vector3& centre, double radius,
-                                           const Heights& over) const {
-  const Planes& planes = planes_[f];
+void MeshSurface::find_on_rim(const Vector3& centre, double radius, Candidate& found) const {
+  const Planes& planes = planes_[found.face];
+  const Heights over = heights(planes, centre);
+  found.kind = Candidate::Kind::rim;
   for (std::size_t k = 0; k < 4; ++k) {
     const double out = over.over[k];
     if (out <= 0.0) continue;
-    const Side& side = sides_[f][k];
+    const Side& side = sides_[found.face][k];
     const Vector3 outwards = planes.outwards(k);
     const double along = dot(centre, cross(planes.normal, outwards));
     if (along < side.from || along > side.to) continue;
-    const double distance = std::sqrt(over.face * over.face + out * out);
-    if (side.on * out + side.rise * over.face > kNearer * radius) return {distance, f, Candidate::Kind::seam, {}};
-    return {distance, f, Candidate::Kind::rim, centre - over.face * planes.normal - out * outwards};
+    found.distance = std::sqrt(over.face * over.face + out * out);
+    found.point = centre - over.face * planes.normal - out * outwards;
+    if (side.on * out + side.rise * over.face > kNearer * radius) found.kind = Candidate::Kind::seam;
+    return;
   }
-  Vector3 nearest = faces_[f].corner[0];
-  for (const Vector3& corner : faces_[f].corner)
-    if (dot(centre - corner, centre - corner) < dot(centre - nearest, centre - nearest)) nearest = corner;
-  return {norm(centre - nearest), f, Candidate::Kind::rim, nearest};
+  const auto& corners = faces_[found.face].corner;
+  found.point = *std::min_element(corners.begin(), corners.end(), [&](const Vector3& a, const Vector3& b) {
+    return dot(centre - a, centre - a) < dot(centre - b, centre - b);
+  });
+  found.distance = norm(centre - found.point);
 }
 
 // Its normal points to the centre; where the centre lies in the surface, it is the surface's own.
-SurfaceTouch MeshSurface::touch(const Vector3& centre, const Candidate& candidate) const {
-  const auto& [distance, f, kind, point] = candidate;
-  const Vector3 normal = planes_[f].normal;
-  if (kind == Candidate::Kind::inside) {
-    const double h = height(f, centre);
-    return {distance, centre - h * normal, h < 0.0 ? -1.0 * normal : normal, f};
+inline void MeshSurface::set_inside(const Vector3& centre, std::uint32_t f, double h, SurfaceTouch& touch) const {
+  const Vector3& normal = planes_[f].normal;
+  touch.distance = std::abs(h);
+  touch.face = f;
+  const double side = h < 0.0 ? -1.0 : 1.0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    touch.point[d] = centre[d] - h * normal[d];
+    touch.normal[d] = side * normal[d];
   }
-  return {distance, point, distance > 1e-14 ? (1.0 / distance) * (centre - point) : normal, f};
+}
+inline void MeshSurface::set_touch(const Vector3& centre, const Candidate& candidate, SurfaceTouch& touch) const {
+  const auto& [distance, f, kind, h, point] = candidate;
+  if (kind == Candidate::Kind::inside) return set_inside(centre, f, h, touch);
+  touch.distance = distance;
+  touch.face = f;
+  for (std::size_t d = 0; d < 3; ++d) {
+    touch.point[d] = point[d];
+    touch.normal[d] = distance > 1e-14 ? (centre[d] - point[d]) / distance : planes_[f].normal[d];
+  }
 }
 
-double MeshSurface::touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) {
-  found.clear();
-  if (radius > largest_radius_) {
-    largest_radius_ = 1.02 * radius;
-    cells_ = FaceCells(faces_, kReach * largest_radius_);
-    nearby.complete = 0.0f;
-  }
-  const double clear = find_touching(centre, radius, nearby);
-  if (near_.empty()) return clear;
+void MeshSurface::grow(std::size_t n_pairs) {
+  pairs_.resize(2 * n_pairs);
+  measured_.resize(pairs_.size());
+  reached_.resize(pairs_.size());
+  candidates_.resize(pairs_.size());
+}
 
-  // Equal distances by number: the order in which they were found must not show.
-  std::sort(near_.begin(), near_.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance == b.distance ? a.face < b.face : a.distance < b.distance;
-  });
-  for (const Candidate& candidate : near_) {
-    if (candidate.kind == Candidate::Kind::seam) continue;
-    const SurfaceTouch here = touch(centre, candidate);
-    const bool merged = std::any_of(found.begin(), found.end(), [&](const SurfaceTouch& nearer) {
-      return dot(nearer.normal, here.normal) > same_direction_;
-    });
-    if (merged || (!found.empty() && (comes_nearer_elsewhere(candidate) || hidden(centre, here)))) continue;
-    found.push_back(here);
+void MeshSurface::look(std::span<Look> looks, std::vector<SurfaceTouch>& found) {
+  for (const Look& look : looks) {
+    if (look.radius <= largest_radius_) continue;
+    largest_radius_ = 1.02 * look.radius;
+    cells_ = FaceCells(faces_, kReach * largest_radius_);
   }
-  return near_[0].distance;
+  search_again(looks);
+  n_pairs_ = 0;
+  for (std::uint32_t l = 0; l < looks.size(); ++l) find_pairs(looks[l], l);
+  measure(planes_.data(), looks.data(), pairs_.data(), n_pairs_, measured_.data());
+  found.clear();
+  std::size_t pair = 0;
+  for (std::uint32_t l = 0; l < looks.size(); ++l) {
+    Look& look = looks[l];
+    double clear2 = look.clear * look.clear;
+    const double radius2 = look.radius * look.radius;
+    n_reached_ = 0;
+    for (; pair < n_pairs_ && pairs_[pair].look == l; ++pair) {
+      const double distance2 = measured_[pair].distance2;
+      clear2 = std::min(clear2, distance2);
+      reached_[n_reached_] = static_cast<std::uint32_t>(pair);
+      n_reached_ += distance2 < radius2 ? 1 : 0;
+    }
+    look.first = static_cast<std::uint32_t>(found.size());
+    if (n_reached_ == 0 || !touches(look, found)) look.clear = std::sqrt(clear2);
+    look.n = static_cast<std::uint32_t>(found.size()) - look.first;
+  }
+}
+
+// Most spheres lean on the inside of one flat.
+bool MeshSurface::touches(Look& look, std::vector<SurfaceTouch>& found) {
+  if (n_reached_ == 1 && measured_[reached_[0]].beyond <= 0.0) {
+    const Measured& only = measured_[reached_[0]];
+    look.clear = std::abs(only.height);
+    set_inside(look.centre, pairs_[reached_[0]].face, only.height, found.emplace_back());
+    return true;
+  }
+  // Each in its place: a copy would wait for what was just written.
+  near_.clear();
+  for (std::size_t r = 0; r < n_reached_; ++r) {
+    const auto& [height, beyond, distance2] = measured_[reached_[r]];
+    Candidate& candidate = candidates_[near_.size()];
+    candidate.face = pairs_[reached_[r]].face;
+    candidate.height = height;
+    if (beyond <= 0.0) {
+      candidate.kind = Candidate::Kind::inside;
+      candidate.distance = std::abs(height);
+    } else {
+      find_on_rim(look.centre, look.radius, candidate);
+      if (candidate.distance >= look.radius) continue;
+    }
+    near_.push_back(&candidate);
+    for (std::size_t k = near_.size() - 1; k > 0 && near_[k]->before(*near_[k - 1]); --k)
+      std::swap(near_[k], near_[k - 1]);
+  }
+  if (near_.empty()) return false;
+  look.clear = near_[0]->distance;
+  for (const Candidate* candidate : near_) {
+    if (candidate->kind == Candidate::Kind::seam) continue;
+    SurfaceTouch& here = found.emplace_back();
+    set_touch(look.centre, *candidate, here);
+    const std::span<const SurfaceTouch> nearer = std::span(found).subspan(look.first, found.size() - 1 - look.first);
+    const bool merged = std::any_of(nearer.begin(), nearer.end(), [&](const SurfaceTouch& other) {
+      return dot(other.normal, here.normal) > same_direction_;
+    });
+    if (merged || (!nearer.empty() && (comes_nearer_elsewhere(*candidate) || hidden(look.centre, here))))
+      found.pop_back();
+  }
+  return true;
 }
 
 // On a rim that also belongs to a face with a nearer point: no local minimum of the distance.
 bool MeshSurface::comes_nearer_elsewhere(const Candidate& candidate) const {
   if (candidate.kind == Candidate::Kind::inside) return false;
-  for (const Candidate& other : near_) {
-    if (other.distance > candidate.distance * (1.0 - 1e-9)) return false;  // sorted: no nearer one follows
-    if (contains(other.face, candidate.point)) return true;
+  for (const Candidate* other : near_) {
+    if (other->distance > candidate.distance * (1.0 - 1e-9)) return false;  // sorted: no nearer one follows
+    if (contains(other->face, candidate.point)) return true;
   }
   return false;
 }
 
 // Another face stands between the centre and the nearest point.
 bool MeshSurface::hidden(const Vector3& centre, const SurfaceTouch& behind) const {
-  for (const Candidate& other : near_) {
-    if (other.distance >= behind.distance) return false;
-    const double above = height(other.face, centre), below = height(other.face, behind.point);
+  for (const Candidate* other : near_) {
+    if (other->distance >= behind.distance) return false;
+    const double above = other->height, below = height(other->face, behind.point);
     if (above * below >= 0.0 || std::abs(below) <= same_point_) continue;
-    if (contains(other.face, centre + (above / (above - below)) * (behind.point - centre))) return true;
+    if (contains(other->face, centre + (above / (above - below)) * (behind.point - centre))) return true;
   }
   return false;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "dem_templates/plugin/resize/triangles.hpp"
@@ -17,13 +18,24 @@ struct SurfaceTouch {
   std::uint32_t face = 0;  ///< number of the face it lies in
 };
 
+/// Where a sphere touches a surface: what is asked, and what was found.
+struct Look {
+  Vector3 centre{};  ///< in the body's frame
+  double radius = 0.0;
+  Nearby* nearby = nullptr;  ///< of this sphere and this surface
+  std::uint32_t particle = 0;
+
+  std::uint32_t first = 0, n = 0;  ///< its touches among those found, nearest first
+  double clear = 0.0;  ///< The surface keeps so far from the centre for certain [m]: the sphere need not be looked at
+                       ///< again before its centre has moved by this less its radius.
+};
+
 class Surface {
  public:
   virtual ~Surface() = default;
-  /// Sets `found` to the touches of a sphere, nearest first: one for each patch of the surface it leans on. Returns a
-  /// distance that the surface keeps from the centre for certain [m]: the centre need not be looked at again before it
-  /// has moved by that less the radius.
-  virtual double touches(const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) = 0;
+  /// Sets `found` to the touches of all looks: of each sphere one for each patch of the surface it leans on. Many at
+  /// once cost less each.
+  virtual void look(std::span<Look> looks, std::vector<SurfaceTouch>& found) = 0;
   /// Whether the surface lies across the way from one point to the other.
   virtual bool between(const Vector3& from, const Vector3& to) const = 0;
   /// Largest distance of a point of it from an axis [m]; 0 for endless surfaces.

@@ -1,5 +1,7 @@
 #include "dem_templates/plugin/wall/wall_rows.hpp"
 
+#include <algorithm>
+
 #include "common/every_width.hpp"
 
 namespace granary::dem {
@@ -12,30 +14,32 @@ template <RollingModel rolling, bool frozen>
 [[gnu::always_inline]] inline void advance_rows(double* __restrict numbers, std::size_t n, const Rows::Frame& frame,
                                                 double time_step) {
   const Turn turn = frame.turn;
-  const Vector3 wall_spin = frame.spin;
+  const Vector3 wall_spin = frame.spin, origin = frame.origin;
   for (std::size_t k = 0; k < n; ++k) {
     const auto at = [&](std::size_t column) -> double& { return numbers[column * Rows::kMost + k]; };
     const auto vector = [&](std::size_t c) { return Vector3{at(c), at(c + 1), at(c + 2)}; };
     const auto set = [&](std::size_t c, const Vector3& v) { at(c) = v[0], at(c + 1) = v[1], at(c + 2) = v[2]; };
 
+    const Vector3 point = vector(Rows::kPoint) - origin;
     const WallMaterial material{.young = at(Rows::kYoung),
                                 .shear = at(Rows::kShearModulus),
                                 .damping = at(Rows::kDamping),
                                 .friction = at(Rows::kFriction),
                                 .rolling_friction = at(Rows::kRollingFriction),
                                 .cohesion = at(Rows::kCohesion)};
-    const WallApproach approach{
-        .radius = at(Rows::kRadius),
-        .mass = at(Rows::kMass),
-        .overlap = at(Rows::kOverlap),
-        .normal = vector(Rows::kNormal),
-        .velocity = turn.to_body(vector(Rows::kVelocity)) - cross(wall_spin, vector(Rows::kPoint)),
-        .spin = turn.to_body(vector(Rows::kSpin)),
-        .wall_spin = wall_spin};
+    const WallApproach approach{.radius = at(Rows::kRadius),
+                                .mass = at(Rows::kMass),
+                                .overlap = at(Rows::kOverlap),
+                                .normal = vector(Rows::kNormal),
+                                .velocity = turn.to_body(vector(Rows::kVelocity)) - cross(wall_spin, point),
+                                .spin = turn.to_body(vector(Rows::kSpin)),
+                                .wall_spin = wall_spin};
     TouchHistory history{vector(Rows::kShear), vector(Rows::kRolling)};
     const WallForce pushed = wall_force<rolling, frozen>(material, approach, time_step, history);
     set(Rows::kForce, turn.to_lab(pushed.force));
     set(Rows::kTorque, turn.to_lab(pushed.torque));
+    const Vector3 centre = point + (approach.radius - approach.overlap) * approach.normal;
+    set(Rows::kMoment, cross(centre, pushed.force) + pushed.torque);
     at(Rows::kNormalForce) = pushed.normal_force;
     at(Rows::kNormalSpeed) = pushed.normal_speed;
     at(Rows::kSlip2) = pushed.slip2;
@@ -69,41 +73,62 @@ void hold(double* numbers, std::size_t n, const Rows::Frame& frame, RollingModel
   }
 }
 
+// In eighths, for vectors of every width: the same numbers from all.
+constexpr std::size_t kVector = 8;
+static_assert(Rows::kMost % kVector == 0);
+GRANARY_EVERY_WIDTH double sum(const double* numbers, std::size_t n) {
+  double part[kVector] = {};
+  for (std::size_t k = 0; k < n; k += kVector)
+    for (std::size_t v = 0; v < kVector; ++v) part[v] += numbers[k + v];
+  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
+}
+GRANARY_EVERY_WIDTH double largest_ratio(const double* over, const double* under, std::size_t n) {
+  double part[kVector] = {};
+  for (std::size_t k = 0; k < n; k += kVector) {
+    for (std::size_t v = 0; v < kVector; ++v) {
+      const double ratio = over[k + v] / under[k + v];
+      part[v] = ratio > part[v] ? ratio : part[v];
+    }
+  }
+  return *std::max_element(part, part + kVector);
+}
+
 }  // namespace
 
-WallRows::WallRows() { numbers_.fill(1.0); }
+WallRows::WallRows(RollingModel rolling) : rolling_(rolling) {
+  numbers_.fill(0.0);
+  for (const std::size_t column : {kRadius, kMass}) std::fill_n(numbers_.begin() + column * kMost, kMost, 1.0);
+}
 
-void WallRows::add(const WallMaterial& material, const Touch& touch, const TouchHistory& history) {
-  const double alone[3] = {touch.radius, touch.mass, touch.overlap};
+void WallRows::set_material(const WallMaterial& material) {
+  material_[size_] = &material;
   const double law[6] = {
       material.young,   material.shear, material.damping, material.friction, material.rolling_friction,
       material.cohesion};
-  set(kRadius, alone);
-  set(kNormal, touch.normal.data());
-  set(kPoint, touch.point.data());
-  set(kVelocity, touch.velocity);
-  set(kSpin, touch.spin);
-  set(kShear, history.shear.data());
-  set(kRolling, history.rolling_torque.data());
   set(kYoung, law);
   set(kFriction, law + 3);
-  ++size_;
 }
 
-// In whole vectors: rows beyond the last hold old numbers, which harm nothing.
-void WallRows::advance(const Frame& frame, RollingModel rolling, double time_step, bool frozen) {
-  constexpr std::size_t kVector = 8;
-  static_assert(kMost % kVector == 0);
+// In whole vectors: rows beyond the last hold old numbers, and touch nothing.
+WallRows::Sums WallRows::advance(const Frame& frame, double time_step, bool frozen) {
   const std::size_t n = (size_ + kVector - 1) / kVector * kVector;
-  if (frozen) return hold(numbers_.data(), n, frame, rolling, time_step);
-  switch (rolling) {
-    case RollingModel::none:
-      return advance_sliding(numbers_.data(), n, frame, time_step);
-    case RollingModel::cdt:
-      return advance_cdt(numbers_.data(), n, frame, time_step);
-    case RollingModel::epsd2:
-      return advance_epsd2(numbers_.data(), n, frame, time_step);
-  }
+  for (const std::size_t column : {kOverlap, kShear, kShear + 1, kShear + 2})
+    for (std::size_t k = size_; k < n; ++k) numbers_[column * kMost + k] = 0.0;
+  double* numbers = numbers_.data();
+  if (frozen)
+    hold(numbers, n, frame, rolling_, time_step);
+  else if (rolling_ == RollingModel::none)
+    advance_sliding(numbers, n, frame, time_step);
+  else if (rolling_ == RollingModel::cdt)
+    advance_cdt(numbers, n, frame, time_step);
+  else
+    advance_epsd2(numbers, n, frame, time_step);
+
+  const auto column = [&](std::size_t c) { return numbers + c * kMost; };
+  const auto sums = [&](std::size_t c) {
+    return Vector3{sum(column(c), n), sum(column(c + 1), n), sum(column(c + 2), n)};
+  };
+  return {sums(kForce), frame.turn.to_lab(sums(kMoment)), largest_ratio(column(kOverlap), column(kRadius), n)};
 }
 
 }  // namespace granary::dem

@@ -16,31 +16,49 @@ class WallRows {
   /// How the body stands and turns.
   struct Frame {
     Turn turn;
-    Vector3 spin{};  ///< [rad/s]
+    Vector3 spin{};    ///< [rad/s]
+    Vector3 origin{};  ///< a point of its axis [m]
   };
   struct Touch {
     double radius = 0.0, mass = 0.0;
-    double overlap = 0.0;                               ///< > 0 [m]
-    Vector3 normal{};                                   ///< from the wall to the centre, in the body's frame
-    Vector3 point{};                                    ///< where it is touched, from the body's origin, in its frame
-    const double *velocity = nullptr, *spin = nullptr;  ///< of the particle, in the laboratory's frame
+    double overlap = 0.0;                  ///< > 0 [m]
+    const double *normal, *point;          ///< from the wall to the centre; where it is touched: in the body's frame
+    const double *velocity, *spin;         ///< of the particle, in the laboratory's frame
+    const double *shear, *rolling_torque;  ///< as in TouchHistory
+  };
+  /// Of all rows.
+  struct Sums {
+    Vector3 force{}, moment{};  ///< on the particles, about the origin, in the laboratory's frame [N], [N m]
+    double deepest = 0.0;       ///< largest overlap over its radius
   };
 
-  WallRows();
+  explicit WallRows(RollingModel rolling = RollingModel::none);
   std::size_t size() const { return size_; }
   bool full() const { return size_ == kMost; }
   void clear() { size_ = 0; }
-  /// Not when it is full.
-  void add(const WallMaterial& material, const Touch& touch, const TouchHistory& history);
+  /// Not when it is full. The material must stay where it is, as it is.
+  void add(const WallMaterial& material, const Touch& touch) {
+    const double alone[3] = {touch.radius, touch.mass, touch.overlap};
+    set(kRadius, alone);
+    set(kNormal, touch.normal);
+    set(kPoint, touch.point);
+    set(kVelocity, touch.velocity);
+    set(kSpin, touch.spin);
+    set(kShear, touch.shear);
+    if (rolling_ == RollingModel::epsd2) set(kRolling, touch.rolling_torque);
+    if (material_[size_] != &material) set_material(material);
+    ++size_;
+  }
 
   /// wall_force() of all rows.
-  void advance(const Frame& frame, RollingModel rolling, double time_step, bool frozen);
+  Sums advance(const Frame& frame, double time_step, bool frozen);
 
   // Of row k, then. In the laboratory's frame:
   Vector3 force(std::size_t k) const { return vector(kForce, k); }    ///< on the particle [N]
   Vector3 torque(std::size_t k) const { return vector(kTorque, k); }  ///< on it, about its centre [N m]
   // In the body's:
-  TouchHistory history(std::size_t k) const { return {vector(kShear, k), vector(kRolling, k)}; }
+  Vector3 shear(std::size_t k) const { return vector(kShear, k); }  ///< TouchHistory, advanced
+  Vector3 rolling_torque(std::size_t k) const { return vector(kRolling, k); }
   double normal_force(std::size_t k) const { return at(kNormalForce, k); }     ///< spring and dashpot [N]
   double normal_speed(std::size_t k) const { return at(kNormalSpeed, k); }     ///< away from the wall [m/s]
   double slip_speed(std::size_t k) const { return std::sqrt(at(kSlip2, k)); }  ///< over the wall's surface [m/s]
@@ -51,7 +69,7 @@ class WallRows {
                                kShear = 15, kRolling = 18, kYoung = 21, kShearModulus = 22, kDamping = 23,
                                kFriction = 24, kRollingFriction = 25, kCohesion = 26;  // in; kShear, kRolling also out
   static constexpr std::size_t kForce = 27, kTorque = 30, kNormalForce = 33, kNormalSpeed = 34, kSlip2 = 35,
-                               kSpeed2 = 36, kColumns = 37;
+                               kSpeed2 = 36, kMoment = 37, kColumns = 40;
 
  private:
   double at(std::size_t column, std::size_t k) const { return numbers_[column * kMost + k]; }
@@ -60,7 +78,11 @@ class WallRows {
     for (std::size_t d = 0; d < 3; ++d) numbers_[(column + d) * kMost + size_] = values[d];
   }
 
+  void set_material(const WallMaterial& material);
+
+  RollingModel rolling_;
   std::size_t size_ = 0;
+  std::array<const WallMaterial*, kMost> material_{};         ///< whose numbers the row holds
   alignas(64) std::array<double, kColumns * kMost> numbers_;  ///< column after column
 };
 

@@ -11,6 +11,7 @@
 #include "common/stl.hpp"
 #include "dem_templates/plugin/wall/endless_surfaces.hpp"
 #include "dem_templates/plugin/wall/mesh_surface.hpp"
+#include "dem_templates/plugin/wall/touch_book.hpp"
 
 namespace granary::dem {
 namespace {
@@ -158,6 +159,9 @@ WallSettings read_wall_settings(FixArguments& arguments) {
   for (const Words& words : arguments.all("plane")) read.plane(words);
   for (const Words& words : arguments.all("cylinder")) read.cylinder(words);
   if (settings.bodies.empty()) arguments.problem("needs a body: 'mesh', 'plane' or 'cylinder'.");
+  if (settings.bodies.size() > TouchBook::kMostBodies)
+    arguments.problem("has " + std::to_string(settings.bodies.size()) + " bodies; one fix takes at most " +
+                      std::to_string(TouchBook::kMostBodies) + ": give the others to a second one.");
   for (const Words& words : arguments.all("rotate")) read.rotate(words);
   settings.wear = read_wear(arguments, settings.bodies);
   return settings;

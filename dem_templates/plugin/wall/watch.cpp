@@ -1,9 +1,5 @@
 #include "dem_templates/plugin/wall/watch.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "common/every_width.hpp"
 
 namespace granary::dem {
@@ -35,25 +31,6 @@ GRANARY_EVERY_WIDTH void find_moved(const Frame& frame, const double* places, st
 
 }  // namespace
 
-void Watch::looked(std::size_t particle, const Vector3& here, double radius, double clear) {
-  const double rounding =
-      8.0 * std::numeric_limits<float>::epsilon() * (std::abs(here[0]) + std::abs(here[1]) + std::abs(here[2]) + clear);
-  const double room = std::max(0.0, clear - radius - rounding);
-  x_[particle] = static_cast<float>(here[0]);
-  y_[particle] = static_cast<float>(here[1]);
-  z_[particle] = static_cast<float>(here[2]);
-  room2_[particle] = static_cast<float>(room * room * (1.0 - 1e-6));
-  clear_[particle] = static_cast<float>(clear);
-}
-
-bool Watch::may_have_passed(std::size_t particle, const Vector3& here, double radius) const {
-  const double clear = clear_[particle], far = std::max(clear, 0.5 * radius);
-  const Vector3 moved = here - last_place(particle);
-  return clear > 0.0 && dot(moved, moved) > far * far;
-}
-
-Vector3 Watch::last_place(std::size_t particle) const { return {x_[particle], y_[particle], z_[particle]}; }
-
 const std::vector<std::uint32_t>& Watch::due(const WallBody& body, const double* places, std::size_t n) {
   find_moved({body.turned ? body.turn : Turn{}, body.to_body({0, 0, 0})}, places, n,
              {x_.data(), y_.data(), z_.data(), room2_.data()}, is_due_.data());
@@ -64,6 +41,14 @@ const std::vector<std::uint32_t>& Watch::due(const WallBody& body, const double*
     n_due += is_due_[i];
   }
   due_.resize(n_due);
+  std::array<std::uint32_t*, kKinds> end{};
+  for (std::size_t k = 0; k < kKinds; ++k) {
+    if (kind_[k].size() < n) kind_[k].resize(n);
+    end[k] = kind_[k].data();
+  }
+  for (const std::uint32_t i : due_) *end[n_touches_[i]]++ = i;
+  std::uint32_t* to = due_.data();
+  for (std::size_t k = 0; k < kKinds; ++k) to = std::copy(kind_[k].data(), end[k], to);
   return due_;
 }
 

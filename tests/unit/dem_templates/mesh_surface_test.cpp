@@ -44,6 +44,12 @@ double distance_by_hand(const std::vector<Triangle>& mesh, const Vector3& p) {
   return least;
 }
 
+Look look_at(Surface& surface, const Vector3& centre, double radius, Nearby& nearby, std::vector<SurfaceTouch>& found) {
+  Look look{.centre = centre, .radius = radius, .nearby = &nearby};
+  surface.look({&look, 1}, found);
+  return look;
+}
+
 // Three sizes, 1:10 apart, fly about: slowly, so that what was listed serves for many looks, and so fast that nothing
 // can be kept.
 TEST(MeshSurface, FindsTheNearestPointOfEverySphereThatTouchesAndKeepsClearAsFarAsItSays) {
@@ -58,7 +64,8 @@ TEST(MeshSurface, FindsTheNearestPointOfEverySphereThatTouchesAndKeepsClearAsFar
         Vector3 place = anywhere(random, 0.1), way = anywhere(random, step);
         Nearby nearby;
         for (int k = 0; k < 40; ++k, place = place + way) {
-          const double keeps = surface.touches(place, radius, nearby, found), truth = distance_by_hand(mesh, place);
+          const double keeps = look_at(surface, place, radius, nearby, found).clear,
+                       truth = distance_by_hand(mesh, place);
           ASSERT_LE(keeps, truth * (1 + 1e-9));
           if (truth >= radius) {
             ASSERT_TRUE(found.empty());
@@ -87,15 +94,48 @@ TEST(MeshSurface, SaysTheSameWhateverItRemembers) {
   Vector3 place{0.0, 0.0, 0.0};
   for (int k = 0; k < 4000; ++k) {
     place = place + anywhere(random, 4e-4);
-    surface.touches(place, 0.004, nearby, with);
+    look_at(surface, place, 0.004, nearby, with);
     Nearby nothing;
-    surface.touches(place, 0.004, nothing, without);
+    look_at(surface, place, 0.004, nothing, without);
     ASSERT_EQ(with.size(), without.size()) << k;
     for (std::size_t n = 0; n < with.size(); ++n) {
       ASSERT_EQ(with[n].face, without[n].face);
       ASSERT_EQ(with[n].distance, without[n].distance);
     }
   }
+}
+
+// Of all sizes, near and far, at places that many faces are close to as well.
+TEST(MeshSurface, SaysTheSameOfManyAtOnceAsOfEachAlone) {
+  Random random(7);
+  const std::vector<Triangle> mesh = a_mesh(random);
+  MeshSurface surface(mesh, 0.1);
+  std::size_t touches = 0, of_many_faces = 0;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<Look> looks(1 + 13 * static_cast<std::size_t>(round));
+    std::vector<Nearby> nearby(looks.size());
+    for (std::size_t k = 0; k < looks.size(); ++k)
+      looks[k] = {.centre = anywhere(random, 0.1), .radius = uniform(random, 0.0005, 0.03), .nearby = &nearby[k]};
+    std::vector<SurfaceTouch> together, alone;
+    surface.look(looks, together);
+    for (const Look& look : looks) {
+      Nearby nothing;
+      const Look by_itself = look_at(surface, look.centre, look.radius, nothing, alone);
+      ASSERT_EQ(look.n, alone.size());
+      ASSERT_EQ(look.clear, by_itself.clear);
+      for (std::size_t n = 0; n < look.n; ++n) {
+        const SurfaceTouch& touch = together[look.first + n];
+        ASSERT_EQ(touch.face, alone[n].face);
+        ASSERT_EQ(touch.distance, alone[n].distance);
+        ASSERT_EQ(touch.normal, alone[n].normal);
+        ASSERT_EQ(touch.point, alone[n].point);
+      }
+      touches += look.n;
+      of_many_faces += look.n > 2 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(touches, 200u);
+  EXPECT_GT(of_many_faces, 10u);
 }
 
 TEST(MeshSurface, KnowsWhatLiesAcrossAWay) {
@@ -129,7 +169,8 @@ TEST(Watch, NeverMissesAParticleThatTouches) {
     std::vector<bool> looked(places.size(), false);
     for (const std::uint32_t i : watch.due(body, places[0].data(), places.size())) {
       const Vector3 here = body.to_body(places[i]);
-      watch.looked(i, here, radius, body.surface->touches(here, radius, watch.nearby(i), found));
+      const Look look = look_at(*body.surface, here, radius, watch.nearby(i), found);
+      watch.looked(i, here, radius, look.clear, look.n);
       looked[i] = true;
       ++looks;
     }
