@@ -4,6 +4,17 @@
 #include <cmath>
 
 namespace granary::dem {
+namespace {
+
+constexpr double kRoundUp = 1.0 + 1e-9;
+
+Vector3 unit_normal(const Triangle& triangle) {
+  const Vector3 area = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  const double size = norm(area);
+  return size > 0.0 ? (1.0 / size) * area : Vector3{};
+}
+
+}  // namespace
 
 Vector3 nearest_point(const Triangle& triangle, const Vector3& p) {
   const auto& [a, b, c] = triangle;
@@ -37,6 +48,7 @@ Triangles::Triangles(std::vector<Triangle> triangles, double reach) : triangles_
   if (triangles_.empty()) return;
   Vector3 high = low_ = triangles_[0][0];
   for (const Triangle& triangle : triangles_) {
+    normals_.push_back(unit_normal(triangle));
     for (const Vector3& corner : triangle) {
       for (std::size_t d = 0; d < 3; ++d) {
         low_[d] = std::min(low_[d], corner[d] - reach);
@@ -65,6 +77,7 @@ Triangles::Triangles(std::vector<Triangle> triangles, double reach) : triangles_
         for (long k = first[2]; k <= last[2]; ++k) {
           const Vector3 centre = low_ + cell_size_ * Vector3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
                                                              static_cast<double>(k) + 0.5};
+          if (plane_is_beyond(t, centre, half_diagonal + reach)) continue;
           if (norm(centre - nearest_point(triangles_[t], centre)) <= half_diagonal + reach)
             cells_[index(i, j, k)].push_back(static_cast<int>(t));
         }
@@ -80,11 +93,17 @@ void Triangles::near(const Vector3& point, double reach, std::vector<NearWall>& 
     cell[axis] = cell_of(point[axis], d);
     if (cell[axis] < 0 || cell[axis] >= n_cells_[axis]) return;
   }
-  for (int t : cells_[index(cell[0], cell[1], cell[2])]) {
-    const Vector3 away = point - nearest_point(triangles_[static_cast<std::size_t>(t)], point);
+  for (const int listed : cells_[index(cell[0], cell[1], cell[2])]) {
+    const auto t = static_cast<std::size_t>(listed);
+    if (plane_is_beyond(t, point, reach)) continue;
+    const Vector3 away = point - nearest_point(triangles_[t], point);
     const double distance = norm(away);
     if (distance < reach && distance > 0.0) found.push_back({distance, (1.0 / distance) * away});
   }
+}
+
+bool Triangles::plane_is_beyond(std::size_t triangle, const Vector3& point, double reach) const {
+  return std::abs(dot(point - triangles_[triangle][0], normals_[triangle])) > kRoundUp * reach;
 }
 
 long Triangles::cell_of(double coordinate, int axis) const {

@@ -27,7 +27,11 @@ class Triangles {
   long cell_of(double coordinate, int axis) const;
   std::size_t index(long i, long j, long k) const;
 
+  // Whether a point is further from a triangle's plane than `reach`: most are, and that costs little to know.
+  bool plane_is_beyond(std::size_t triangle, const Vector3& point, double reach) const;
+
   std::vector<Triangle> triangles_;
+  std::vector<Vector3> normals_;  ///< unit vectors; of a triangle without area: zero
   Vector3 low_{};
   double cell_size_ = 1.0;
   std::array<long, 3> n_cells_{0, 0, 0};

@@ -10,10 +10,6 @@ namespace granary::dem {
 /// Of three numbers in a row.
 inline Vector3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 
-inline Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// A rotation of space: rows of its matrix, from the turned body's frame to the laboratory's.
 struct Turn {
   Vector3 row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
