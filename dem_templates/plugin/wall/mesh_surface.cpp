@@ -300,14 +300,33 @@ void MeshSurface::look(std::span<Look> looks, std::vector<SurfaceTouch>& found) 
   }
 }
 
-// Most spheres lean on the inside of one flat.
+// One product of the normals says what else touch(), hidden() and a comparison of directions find out.
+bool MeshSurface::touches_two_insides(Look& look, std::vector<SurfaceTouch>& found) const {
+  const auto height_of = [&](std::size_t r) { return measured_[reached_[r]].height; };
+  const auto face_of = [&](std::size_t r) { return pairs_[reached_[r]].face; };
+  const double first = std::abs(height_of(0)), second = std::abs(height_of(1));
+  const std::size_t a = is_before(first, face_of(0), second, face_of(1)) ? 0 : 1, b = 1 - a;
+  const double near = height_of(a), far = height_of(b);
+  const double alike = dot(planes_[face_of(a)].normal, planes_[face_of(b)].normal);
+  const double below = near - far * alike;  // height of the point on the farther face over the nearer one
+  if (near * below < 0.0 && std::abs(below) > same_point_ && first != second) return false;
+  look.clear = std::abs(near);
+  set_inside(look.centre, face_of(a), near, found.emplace_back());
+  if ((near * far < 0.0 ? -alike : alike) <= same_direction_)
+    set_inside(look.centre, face_of(b), far, found.emplace_back());
+  return true;
+}
+
+// Most spheres lean on the inside of one flat, or of two.
 bool MeshSurface::touches(Look& look, std::vector<SurfaceTouch>& found) {
-  if (n_reached_ == 1 && measured_[reached_[0]].beyond <= 0.0) {
-    const Measured& only = measured_[reached_[0]];
-    look.clear = std::abs(only.height);
-    set_inside(look.centre, pairs_[reached_[0]].face, only.height, found.emplace_back());
+  const auto inside = [&](std::size_t r) { return measured_[reached_[r]].beyond <= 0.0; };
+  if (n_reached_ == 1 && inside(0)) {
+    const double h = measured_[reached_[0]].height;
+    look.clear = std::abs(h);
+    set_inside(look.centre, pairs_[reached_[0]].face, h, found.emplace_back());
     return true;
   }
+  if (n_reached_ == 2 && inside(0) && inside(1) && touches_two_insides(look, found)) return true;
   // Each in its place: a copy would wait for what was just written.
   near_.clear();
   for (std::size_t r = 0; r < n_reached_; ++r) {

@@ -65,6 +65,10 @@ class MeshSurface : public Surface {
     double beyond;     ///< Heights::beyond() [m]
     double distance2;  ///< square of a distance that the face keeps at least [m^2]
   };
+  /// Equal distances by number: how they were found must not show.
+  static bool is_before(double distance, std::uint32_t face, double other_distance, std::uint32_t other_face) {
+    return (distance < other_distance) | ((distance == other_distance) & (face < other_face));
+  }
   /// A face that a sphere reaches.
   struct Candidate {
     enum class Kind : std::uint32_t {
@@ -78,9 +82,7 @@ class MeshSurface : public Surface {
     double height;  ///< of the centre over the face's plane [m]
     Vector3 point;  ///< the nearest; set for a rim
 
-    bool before(const Candidate& other) const {  // equal distances by number: how they were found must not show
-      return (distance < other.distance) | ((distance == other.distance) & (face < other.face));
-    }
+    bool before(const Candidate& other) const { return is_before(distance, face, other.distance, other.face); }
   };
 
   static Heights heights(const Planes& planes, const Vector3& p);
@@ -104,6 +106,8 @@ class MeshSurface : public Surface {
   /// Adds the touches of a sphere to `found`, of the faces in reached_. False if it reaches none of them after all;
   /// else look.clear is the distance of the nearest.
   bool touches(Look& look, std::vector<SurfaceTouch>& found);
+  /// The same of two, each reached in its inside. False, and nothing is done, if one may hide the other.
+  bool touches_two_insides(Look& look, std::vector<SurfaceTouch>& found) const;
   /// A face that lies within the radius, its nearest point not in its inside.
   void find_on_rim(const Vector3& centre, double radius, Candidate& found) const;
   void set_inside(const Vector3& centre, std::uint32_t face, double height, SurfaceTouch& touch) const;
