@@ -59,6 +59,7 @@ TEST(Campaign, CouplesRealLiggghtsAndPbmBothWays) {
   EXPECT_EQ(2, summary.integer_or("dem_bursts", 0));
   EXPECT_EQ(2, summary.integer_or("pbm_bursts", 0));
   EXPECT_GT(summary.number_or("core_use", 0.0), 0.1);
+  EXPECT_FALSE(fs::exists(scratch / "run/bursts/0001-dem/0001-dem.ranks")) << "one rank is started without mpirun";
 
   const auto results = read_results(summary.text_or("results", ""));
   ASSERT_TRUE(results) << results.error().message;
