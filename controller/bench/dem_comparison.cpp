@@ -9,6 +9,7 @@
 #include "controller/bench/dem_cases.hpp"
 #include "controller/bench/dem_run.hpp"
 #include "controller/bench/dem_tallied.hpp"
+#include "dem_templates/render/automatic.hpp"
 
 namespace granary::bench {
 namespace {
@@ -20,9 +21,28 @@ constexpr double kChance = 1e-3;  // of a false alarm in a comparison
 
 struct ComparedCase {
   std::string name;
-  dem::DemCase dem;
+  dem::DemCase stock, ours;
   int turns;  ///< measured
 };
+
+ComparedCase by_walls(std::string name, dem::DemCase dem, int turns) {
+  dem::DemCase stock = dem;
+  stock.walls = dem::Walls::stock;
+  return {std::move(name), std::move(stock), std::move(dem), turns};
+}
+
+/// The mixer whose ten seconds overheads() times: its own steps against stock walls at half of them and less.
+ComparedCase ten_seconds(int turns) {
+  dem::DemCase dem = mixer_case({{0.004, 2300}});
+  dem.name = "bench-ten-seconds";
+  dem.settle_time = 0.06;
+  dem.time_step = 5e-6;
+  ComparedCase one = by_walls("", dem, turns);
+  one.ours.time_step = dem::automatic_time_step(dem);
+  one.name = fmt::format("cm5, 2300 particles of the ten seconds; stock at {:g} us, ours at {:g} us",
+                         1e6 * one.stock.time_step, 1e6 * one.ours.time_step);
+  return one;
+}
 
 std::vector<ComparedCase> compared_cases(Effort effort) {
   dem::DemCase mixer = working_mixer({{0.003, 500}, {0.004, 450}, {0.005, 250}});
@@ -31,7 +51,8 @@ std::vector<ComparedCase> compared_cases(Effort effort) {
   bowl.time_step = 8e-6;
   mixer.settle_time = bowl.settle_time = 0.1;
   const int turns = by_effort(effort, 3, 5, 10);
-  return {{"cm5, 15 kg/h, 2000 rpm", mixer, turns}, {"batch bowl, 1200 rpm, chopper 3000 rpm", bowl, turns}};
+  return {by_walls("cm5, 15 kg/h, 2000 rpm", mixer, turns),
+          by_walls("batch bowl, 1200 rpm, chopper 3000 rpm", bowl, turns), ten_seconds(turns)};
 }
 
 }  // namespace
@@ -75,10 +96,8 @@ Result<Comparison> compare(const dem::DemCase& a, const dem::DemCase& b, int see
 
 Result<Comparison> compare_walls(const dem::DemCase& dem_case, int seeds, const fs::path& scratch,
                                  const std::vector<std::string>& only) {
-  dem::DemCase stock = dem_case, ours = dem_case;
-  stock.walls = dem::Walls::stock;
-  ours.walls = dem::Walls::granary;
-  return compare(stock, ours, seeds, scratch, only);
+  const ComparedCase one = by_walls("", dem_case, 0);
+  return compare(one.stock, one.ours, seeds, scratch, only);
 }
 
 Result<Value> comparison_rows(Effort effort, const fs::path& scratch, const Say& say) {
@@ -86,13 +105,15 @@ Result<Value> comparison_rows(Effort effort, const fs::path& scratch, const Say&
   const int seeds = by_effort(effort, 2, 4, 8);
   for (ComparedCase& one : compared_cases(effort)) {
     say(fmt::format("{}: rates and speeds with stock walls and with ours, {} seeds each", one.name, seeds));
-    one.dem.duration = one.turns * turn_of(one.dem);
-    GRANARY_TRY(const Comparison compared, compare_walls(one.dem, seeds, scratch));
+    one.stock.duration = one.ours.duration = one.turns * turn_of(one.ours);
+    GRANARY_TRY(const Comparison compared, compare(one.stock, one.ours, seeds, scratch));
     const double allowed = compared.allowed_z(kChance);
     rows.push(Value::object({{"case", one.name},
                              {"seeds", seeds},
-                             {"measured_s_each", one.dem.duration},
-                             {"batch_s", one.dem.tally.window},
+                             {"stock_time_step_s", one.stock.time_step},
+                             {"granary_time_step_s", one.ours.time_step},
+                             {"measured_s_each", one.ours.duration},
+                             {"batch_s", one.ours.tally.window},
                              {"largest_z", std::abs(compared.worst().z())},
                              {"largest_z_of", compared.worst().name},
                              {"allowed_z", allowed},

@@ -1,4 +1,5 @@
-// The same machine with our walls and with LIGGGHTS' own: do collisions, impacts and velocities agree within chance?
+// The same machine with our walls and with LIGGGHTS' own, or another step: do collisions, impacts and velocities agree
+// within chance?
 #pragma once
 
 #include <filesystem>
@@ -32,7 +33,7 @@ Result<Comparison> compare(const dem::DemCase& a, const dem::DemCase& b, int see
 Result<Comparison> compare_walls(const dem::DemCase& dem_case, int seeds, const std::filesystem::path& scratch,
                                  const std::vector<std::string>& only = {});
 
-/// rows of comparison[]: the mixer at work and the batch bowl.
+/// rows of comparison[]: the mixer at work, the batch bowl, and the ten seconds' mixer with its long steps.
 Result<json::Value> comparison_rows(Effort effort, const std::filesystem::path& scratch, const Say& say);
 
 }  // namespace granary::bench
