@@ -144,7 +144,14 @@ void check_times(const Campaign& campaign, Checker& checker) {
   if (campaign.coupling.mode == CouplingSettings::Mode::pbm_only) return;
   const dem::DemCase& dem = campaign.dem_case;
   at_most("/dem/tally_window", dem.tally.window, "/dem/longest_burst", campaign.dem.longest_burst);
-  at_most("/dem/time_step", dem.time_step * dem.tally.every, "/dem/tally_window", dem.tally.window);
+  if (const double looks = dem.time_step * dem.tally.every;
+      checker.sound({"/dem/time_step", "/dem/tally_every", "/dem/tally_window"}) && looks > dem.tally.window)
+    checker.add(
+        "/dem/tally_every",
+        fmt::format("a look every {} steps of {:g} s is one in {:g} s, longer than the {:g} s of /dem/tally_window.",
+                    dem.tally.every, dem.time_step, looks, dem.tally.window),
+        "Take fewer steps between looks, a shorter /dem/time_step (stiffer "
+        "particles have one), or a longer window.");
   at_most("/coupling/grace", campaign.coupling.grace, "/dem/longest_burst", campaign.dem.longest_burst);
 }
 

@@ -63,7 +63,11 @@ std::string without_folder(std::string message, const std::filesystem::path& fol
 
 bool is_auto(json::Reader& reader, const std::string& key) {
   const json::Value* found = reader.raw(key);
-  return found == nullptr || (found->is_string() && found->as_string() == "auto");
+  if (found == nullptr) return true;
+  if (!found->is_string() || found->as_string().find_first_of("0123456789") != std::string::npos) return false;
+  if (found->as_string() != "auto")
+    reader.problem(key, "it must be \"auto\" or a value.", "See docs/workflow_format.md#dem.");
+  return true;
 }
 
 }  // namespace granary::campaign
