@@ -123,7 +123,8 @@ Result<pilot::TaskSpec> FileHandover::prepare_dem(const coupling::StartBurst& st
   pilot::TaskSpec task;
   task.command = {
       (programs_ / "granary-dem").string(), "-in", "in.liggghts", "-log", "log.liggghts", "-screen", "none"};
-  task.ranks = burst.ranks;  // one needs no mpirun, and starts the sooner
+  task.ranks = burst.ranks;
+  if (task.ranks == 1) task.env.emplace_back("GRANARY_LONE_RANK", "1");  // it needs no mpirun, and starts the sooner
   task.produces = {"restart.liggghts", "tallies.jsonl"};
   return task;
 }

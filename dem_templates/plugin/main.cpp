@@ -44,9 +44,12 @@ void write_last_state(LAMMPS_NS::LAMMPS& lammps) {
 }
 
 // One rank alone needs no network, no daemon and no list of devices. Open MPI looks for all of them before a lone
-// program's first step, for half a second. Who sets these in the environment knows better.
+// program's first step, for half a second. Who sets these in the environment knows better. In a step of Slurm it takes
+// the program for one of many: only who started it knows that it is not (GRANARY_LONE_RANK).
 void start_mpi(int& argc, char**& argv) {
-  if (!granary::launched_by_mpi()) {
+  const bool is_told = std::getenv("GRANARY_LONE_RANK") != nullptr;
+  if (!granary::launched_by_mpi() && (is_told || std::getenv("SLURM_STEP_ID") == nullptr)) {
+    unsetenv("SLURM_STEP_ID");
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     setenv("OMPI_MCA_pml", "ob1", 0);
     setenv("OMPI_MCA_btl", "self", 0);
