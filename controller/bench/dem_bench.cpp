@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "common/version.hpp"
 #include "controller/bench/dem_choices.hpp"
@@ -20,6 +23,7 @@ namespace {
 
 using json::Value;
 
+constexpr std::uintmax_t kMega = 1'000'000, kRoom = 100 * kMega;  // [bytes]
 constexpr const char* kParts[] = {"speed", "overheads", "comparison", "choices"};
 
 Status check(const std::vector<std::string>& parts) {
@@ -36,18 +40,32 @@ Status check(const std::vector<std::string>& parts) {
   return {};
 }
 
+/// Below TMPDIR, with room for the states of all cases.
+Result<ScratchFolder> roomy_folder() {
+  const char* wanted = std::getenv("TMPDIR");
+  const auto refusal = [&](const std::string& why) {
+    return Error{
+        fmt::format("TMPDIR is {}: {}. Set it to a folder with room for {} MB.",
+                    wanted != nullptr ? fmt::format("\"{}\"", wanted) : "not set, so /tmp", why, kRoom / kMega),
+        Exit::bad_input};
+  };
+  std::error_code failed;
+  const std::filesystem::path below = std::filesystem::temp_directory_path(failed);
+  if (failed) return refusal("there is no such folder");
+  const auto space = std::filesystem::space(below, failed);
+  if (!failed && space.available < kRoom)
+    return refusal(fmt::format("only {} MB are free there", space.available / kMega));
+  std::optional<ScratchFolder> folder = ScratchFolder::make(below);
+  if (!folder) return refusal("no folder can be made there");
+  return std::move(*folder);
+}
+
 }  // namespace
 
 Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts, const Say& say) {
   GRANARY_CHECK(check(parts));
   GRANARY_TRY(const pilot::Machine machine, pilot::local_machine());
-  std::error_code failed;
-  const std::filesystem::path below = std::filesystem::temp_directory_path(failed);
-  const auto folder = failed ? std::nullopt : ScratchFolder::make(below);
-  if (!folder)
-    return Error{fmt::format("{}: no folder can be made here. Set TMPDIR to one where some 100 MB can be written.",
-                             below.empty() ? "TMPDIR" : below.string()),
-                 Exit::task_failed};
+  GRANARY_TRY(const ScratchFolder folder, roomy_folder());
   std::mutex one_at_a_time;
   const Say in_turn = [&](const std::string& what) {
     const std::scoped_lock lock(one_at_a_time);
@@ -66,19 +84,19 @@ Result<Value> run_dem_bench(Effort effort, const std::vector<std::string>& parts
                                    "speed: the program liggghts of Debian; comparison and differences: "
                                    "granary-dem with fix mesh/surface, move/mesh and wall/gran"}});
   if (wanted("speed")) {
-    GRANARY_TRY(const Value rows, speed_rows(effort, folder->path(), in_turn));
+    GRANARY_TRY(const Value rows, speed_rows(effort, folder.path(), in_turn));
     document.set("speed", rows);
   }
   if (wanted("overheads")) {
-    GRANARY_TRY(const Value all, overheads(effort, folder->path(), in_turn));
+    GRANARY_TRY(const Value all, overheads(effort, folder.path(), in_turn));
     for (const auto& [key, value] : all.members()) document.set(key, value);
   }
   if (wanted("comparison")) {
-    GRANARY_TRY(const Value rows, comparison_rows(effort, folder->path(), in_turn));
+    GRANARY_TRY(const Value rows, comparison_rows(effort, folder.path(), in_turn));
     document.set("comparison", rows);
   }
   if (wanted("choices")) {
-    GRANARY_TRY(const Value rows, choice_rows(effort, folder->path(), in_turn));
+    GRANARY_TRY(const Value rows, choice_rows(effort, folder.path(), in_turn));
     document.set("choices", rows);
   }
   return document.set("load_at_end", load_of_machine());

@@ -78,7 +78,8 @@ Result<DemRun> run_dem(const std::string& program, const fs::path& folder, const
   if (ranks > 1) {
     GRANARY_TRY(argv, with_ranks(argv, folder, ranks));
   }
-  argv.insert(argv.begin(), {"env", "-C", folder.string()});
+  // It ends with this program, however that ends: mpirun is asked, so that it takes its ranks along.
+  argv.insert(argv.begin(), {"setpriv", "--pdeathsig", ranks > 1 ? "TERM" : "KILL", "env", "-C", folder.string()});
   const auto begin = std::chrono::steady_clock::now();
   GRANARY_TRY(pilot::ProgramOutput ended, pilot::run_program(argv, "", kTimeout));
   DemRun run;

@@ -1,34 +1,27 @@
-// A folder for what a bench writes, gone at its end.
+// A folder for what a bench writes, gone at its end, also when the bench is interrupted.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
+#include <memory>
 #include <optional>
-#include <string>
-#include <utility>
 
 namespace granary::bench {
 
+/// While there is one, SIGINT, SIGTERM and SIGHUP (those that are not ignored) say so on stderr, take the folder away
+/// and end the program with 128 + signal: make it before the first thread.
 class ScratchFolder {
  public:
   /// A new one in `parent`; nothing if none can be made there.
-  static std::optional<ScratchFolder> make(const std::filesystem::path& parent) {
-    std::string path = (parent / "granary-bench-XXXXXX").string();
-    if (mkdtemp(path.data()) == nullptr) return std::nullopt;
-    return ScratchFolder(path);
-  }
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  static std::optional<ScratchFolder> make(const std::filesystem::path& parent);
+  ScratchFolder(ScratchFolder&& other) noexcept;
   ScratchFolder& operator=(ScratchFolder&&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
+  ~ScratchFolder();
+  const std::filesystem::path& path() const;
 
  private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
+  struct Watched;
+  explicit ScratchFolder(std::unique_ptr<Watched> watched);
+  std::unique_ptr<Watched> watched_;
 };
 
 }  // namespace granary::bench
