@@ -1,10 +1,10 @@
 #include "controller/bench/scratch_folder.hpp"
 
-#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <fstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST(ScratchFolder, IsGoneAtItsEndWithAllThatIsInIt) {
 }
 
 TEST(ScratchFolder, IsGoneWhenTheProgramIsInterrupted) {
-  const fs::path parent = fs::temp_directory_path() / fmt::format("granary-interrupted-{}", getpid());
+  const fs::path parent = fs::temp_directory_path() / ("granary-interrupted-" + std::to_string(getpid()));
   fs::create_directory(parent);
   const auto interrupted = [&](int signal) {
     const auto scratch = ScratchFolder::make(parent);
