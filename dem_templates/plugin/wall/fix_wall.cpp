@@ -138,33 +138,40 @@ void FixWall::turn_bodies() {
   for (WallBody& body : bodies_) body.turn_to(static_cast<long>(update->ntimestep));
 }
 
+template <class Done>
+void FixWall::look_at_due(std::size_t b, Done&& done) {
+  const auto n_particles = static_cast<std::size_t>(atom->nlocal);
+  if (n_particles == 0) return;
+  const WallBody& body = bodies_[b];
+  Watch& watch = watches_[b];
+  const double *places = atom->x[0], *radii = atom->radius;
+  const std::vector<std::uint32_t>& due = watch.due(body, places, n_particles);
+  for (std::size_t first = 0; first < due.size(); first += kMostLooks) {
+    std::size_t n_looks = 0;
+    for (const std::uint32_t i : std::span(due).subspan(first, std::min(kMostLooks, due.size() - first))) {
+      if (!(atom->mask[i] & groupbit)) continue;
+      watch.fetch(i);
+      book_.fetch(i);
+      const Vector3 place = vector_of(places + 3 * i);
+      Look& look = looks_[n_looks++];
+      look.centre = body.turned ? body.to_body(place) : place;
+      look.radius = radii[i];
+      look.nearby = &watch.nearby(i);
+      look.particle = i;
+    }
+    const std::span<Look> looks(looks_.data(), n_looks);
+    body.surface->look(looks, found_);
+    done(std::span<const Look>(looks));
+  }
+}
+
 void FixWall::push(bool frozen) {
   turn_bodies();
   summed_step_ = -1;
-  const auto n_particles = static_cast<std::size_t>(atom->nlocal);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const WallBody& body = bodies_[b];
     Watch& watch = watches_[b];
     std::fill_n(sums_[b].begin(), 7, 0.0);
-    if (n_particles == 0) continue;
-    const double* places = atom->x[0];
-    const double* radii = atom->radius;
-    const std::vector<std::uint32_t>& due = watch.due(body, atom->x[0], n_particles);
-    for (std::size_t first = 0; first < due.size(); first += kMostLooks) {
-      std::size_t n_looks = 0;
-      for (const std::uint32_t i : std::span(due).subspan(first, std::min(kMostLooks, due.size() - first))) {
-        if (!(atom->mask[i] & groupbit)) continue;
-        watch.fetch(i);
-        book_.fetch(i);
-        const Vector3 place = vector_of(places + 3 * i);
-        Look& look = looks_[n_looks++];
-        look.centre = body.turned ? body.to_body(place) : place;
-        look.radius = radii[i];
-        look.nearby = &watch.nearby(i);
-        look.particle = i;
-      }
-      const std::span<Look> looks(looks_.data(), n_looks);
-      body.surface->look(looks, found_);
+    look_at_due(b, [&](std::span<const Look> looks) {
       for (const Look& look : looks) {
         if (watch.may_have_passed(look.particle, look.centre, look.radius)) refuse_if_passed(b, look);
         watch.looked(look.particle, look.centre, look.radius, look.clear, look.n);
@@ -174,7 +181,7 @@ void FixWall::push(bool frozen) {
           queue(b, look, frozen);
       }
       push_queued(b, frozen);
-    }
+    });
   }
 }
 
@@ -311,38 +318,26 @@ double FixWall::compute_vector(int n) {
 
 class FixWall::BodyWall : public Wall {
  public:
-  BodyWall(FixWall& fix, std::size_t b) : fix_(fix), body_(fix.bodies_[b]), watch_(fix.watches_[b]) {
-    fix_index = fix.modify->my_index(&fix);
-  }
+  BodyWall(FixWall& fix, std::size_t b) : fix_(fix), b_(b) { fix_index = fix.modify->my_index(&fix); }
 
   // Only who is due can touch: the others were clear of it when it pushed in this step.
-
   void touches(const std::function<void(const WallTouch&)>& found) const override {
-    const LAMMPS_NS::Atom& atom = *fix_.atom;
-    if (atom.nlocal == 0) return;
-    std::vector<Look> looks;
-    std::vector<SurfaceTouch> touching;
-    for (const std::uint32_t i : watch_.due(body_, atom.x[0], static_cast<std::size_t>(atom.nlocal)))
-      if (atom.mask[i] & fix_.groupbit)
-        looks.push_back({.centre = body_.to_body(vector_of(atom.x[i])),
-                         .radius = atom.radius[i],
-                         .nearby = &watch_.nearby(i),
-                         .particle = i});
-    body_.surface->look(looks, touching);
-    for (const Look& look : looks) {
-      if (look.n == 0) continue;
-      const SurfaceTouch& deepest = touching[look.first];
-      found({.particle = static_cast<int>(look.particle),
-             .overlap = (look.radius - deepest.distance) / look.radius,
-             .normal = body_.turn.to_lab(deepest.normal),
-             .velocity = body_.turn.to_lab(body_.velocity_at(deepest.point))});
-    }
+    const WallBody& body = fix_.bodies_[b_];
+    fix_.look_at_due(b_, [&](std::span<const Look> looks) {
+      for (const Look& look : looks) {
+        if (look.n == 0) continue;
+        const SurfaceTouch& deepest = fix_.found_[look.first];
+        found({.particle = static_cast<int>(look.particle),
+               .overlap = (look.radius - deepest.distance) / look.radius,
+               .normal = body.turn.to_lab(deepest.normal),
+               .velocity = body.turn.to_lab(body.velocity_at(deepest.point))});
+      }
+    });
   }
 
  private:
   FixWall& fix_;
-  const WallBody& body_;
-  Watch& watch_;
+  std::size_t b_;
 };
 
 std::vector<std::string> FixWall::body_names() const {

@@ -89,6 +89,9 @@ class FixWall : public LAMMPS_NS::Fix {
   void turn_bodies();
   /// Forces of all bodies on all particles. frozen: nothing is remembered as having moved or begun.
   void push(bool frozen);
+  /// Calls done(looks) for all particles that may touch the body, some at a time; found_ has their touches then.
+  template <class Done>
+  void look_at_due(std::size_t body, Done&& done);
   /// Puts the touches of a look into rows_; pushes those that are there first if there is no room.
   void queue(std::size_t body, const Look& look, bool frozen);
   /// Forces of what is queued, on the particles, on the body, on whoever listens.
