@@ -67,6 +67,12 @@ dem::DemCase mixer_case(const Fill& fill, double turn, int refinement) {
   return c;
 }
 
+dem::DemCase ten_seconds_mixer() {
+  dem::DemCase c = mixer_case({{0.004, 2300}});
+  c.settle_time = 0.06;
+  return c;
+}
+
 dem::DemCase working_mixer(const Fill& fill) {
   dem::DemCase c = mixer_case(fill);
   c.machine.mixer.outlet_open = true;

@@ -16,6 +16,9 @@ dem::DemCase mixer_case(const Fill& fill, double turn = 0.03, int refinement = 1
 /// The batch bowl: impeller 1200 rpm, chopper 3000 rpm.
 dem::DemCase bowl_case(const Fill& fill);
 
+/// The closed mixer of the ten seconds: 2300 particles of 4 mm; its step and duration are left to the caller.
+dem::DemCase ten_seconds_mixer();
+
 /// The mixer at work: 15 kg/h fed, the outlet open.
 dem::DemCase working_mixer(const Fill& fill);
 

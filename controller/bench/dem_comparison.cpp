@@ -33,9 +33,8 @@ ComparedCase by_walls(std::string name, dem::DemCase dem, int turns) {
 
 /// The mixer whose ten seconds overheads() times: its own steps against stock walls at half of them and less.
 ComparedCase ten_seconds(int turns) {
-  dem::DemCase dem = mixer_case({{0.004, 2300}});
+  dem::DemCase dem = ten_seconds_mixer();
   dem.name = "bench-ten-seconds";
-  dem.settle_time = 0.06;
   dem.time_step = 5e-6;
   ComparedCase one = by_walls("", dem, turns);
   one.ours.time_step = dem::automatic_time_step(dem);

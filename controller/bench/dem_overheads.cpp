@@ -82,9 +82,8 @@ Result<Value> restart_overhead(Effort effort, const fs::path& scratch) {
 /// Ten seconds of the mixer on one core, with the steps that "auto" takes: a stretch, or all of them. The outlet is
 /// closed, so that the hold-up stays: at 15 kg/h the mixer would empty itself of nine tenths of it on the way.
 Result<Value> process(Effort effort, const fs::path& scratch) {
-  dem::DemCase c = mixer_case({{0.004, 2300}});
+  dem::DemCase c = ten_seconds_mixer();
   c.time_step = dem::automatic_time_step(c);
-  c.settle_time = 0.06;
   c.duration = by_effort(effort, 0.15, 0.45, kProcess);
   GRANARY_TRY(const Burst burst, run_burst(c, scratch / "process"));
   const Loop& loop = burst.run.loops.back();

@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kRoundUp = 1.0 + 1e-9;
 
+}  // namespace
+
 Vector3 unit_normal(const Triangle& triangle) {
   const Vector3 area = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
   const double size = norm(area);
   return size > 0.0 ? (1.0 / size) * area : Vector3{};
 }
-
-}  // namespace
 
 Vector3 nearest_point(const Triangle& triangle, const Vector3& p) {
   const auto& [a, b, c] = triangle;

@@ -15,6 +15,9 @@ using Triangle = std::array<Vector3, 3>;
 /// Collision Detection (2005), section 5.1.5.
 Vector3 nearest_point(const Triangle& triangle, const Vector3& p);
 
+/// Counterclockwise about it; of a triangle without area: zero.
+Vector3 unit_normal(const Triangle& triangle);
+
 class Triangles {
  public:
   /// reach: the largest distance that near() will be asked for [m], > 0.
@@ -31,7 +34,7 @@ class Triangles {
   bool plane_is_beyond(std::size_t triangle, const Vector3& point, double reach) const;
 
   std::vector<Triangle> triangles_;
-  std::vector<Vector3> normals_;  ///< unit vectors; of a triangle without area: zero
+  std::vector<Vector3> normals_;  ///< unit_normal() of each
   Vector3 low_{};
   double cell_size_ = 1.0;
   std::array<long, 3> n_cells_{0, 0, 0};

@@ -15,9 +15,7 @@ namespace {
 
 constexpr double kLeastSine = 1e-3;  // of a corner of a pair: below it two sides are as good as one
 
-Vector3 area_vector(const Triangle& t) { return 0.5 * cross(t[1] - t[0], t[2] - t[0]); }
-double area_of(const Triangle& t) { return norm(area_vector(t)); }
-Vector3 normal_of(const Triangle& t) { return (1.0 / area_of(t)) * area_vector(t); }
+double area_of(const Triangle& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
 
 /// Two triangles of one plane as one face, if it is convex: `a` with its side k, and the corner of `b` off that side.
 std::optional<std::array<Vector3, 4>> joined(const Triangle& a, std::size_t k, const Triangle& b) {
@@ -26,7 +24,7 @@ std::optional<std::array<Vector3, 4>> joined(const Triangle& a, std::size_t k, c
   const std::array<Vector3, 4> corner{end, a[(k + 2) % 3], start, b[static_cast<std::size_t>(in_b + 2) % 3]};
   for (std::size_t c = 0; c < 4; ++c) {
     const Vector3 in = corner[c] - corner[(c + 3) % 4], out = corner[(c + 1) % 4] - corner[c];
-    if (dot(cross(in, out), normal_of(a)) < kLeastSine * norm(in) * norm(out)) return {};
+    if (dot(cross(in, out), unit_normal(a)) < kLeastSine * norm(in) * norm(out)) return {};
   }
   return corner;
 }
@@ -66,9 +64,9 @@ std::vector<Joint> joints_of(std::span<const Triangle> triangles, double flat) {
     if (a[sides[s].side] == b[sides[s + 1].side]) continue;  // the other way round
     const Vector3 &start = a[sides[s].side], &off_a = a[(sides[s].side + 2) % 3],
                   &off_b = b[(sides[s + 1].side + 2) % 3];
-    if (std::abs(dot(off_b - start, normal_of(a))) > flat || std::abs(dot(off_a - start, normal_of(b))) > flat)
+    if (std::abs(dot(off_b - start, unit_normal(a))) > flat || std::abs(dot(off_a - start, unit_normal(b))) > flat)
       continue;
-    if (dot(normal_of(a), normal_of(b)) < 0.0) continue;  // folded back
+    if (dot(unit_normal(a), unit_normal(b)) < 0.0) continue;  // folded back
     joints.push_back({sides[s].owner, sides[s + 1].owner, sides[s].side, norm(sides[s].high - sides[s].low)});
   }
   return joints;
@@ -111,7 +109,7 @@ std::vector<Vector3> outline(std::span<const Triangle> triangles, const std::vec
 std::optional<Face> whole(std::span<const Triangle> triangles, const std::vector<std::uint32_t>& region, double flat) {
   const std::vector<Vector3> around = outline(triangles, region);
   const std::size_t n = around.size();
-  const Vector3 up = n > 0 ? normal_of(triangles[region[0]]) : Vector3{};
+  const Vector3 up = n > 0 ? unit_normal(triangles[region[0]]) : Vector3{};
   std::vector<Vector3> corner;
   for (std::size_t k = 0; k < n; ++k) {
     const Vector3 in = around[k] - around[(k + n - 1) % n], out = around[(k + 1) % n] - around[k];
@@ -128,7 +126,7 @@ std::optional<Face> whole(std::span<const Triangle> triangles, const std::vector
   if (corner.size() == 3) corner.push_back(corner[2]);
   const double whole_area = area_of({corner[0], corner[1], corner[2]}) + area_of({corner[0], corner[2], corner[3]});
   if (std::abs(area - whole_area) > 1e-6 * area) return {};
-  const Vector3 normal = normal_of({corner[0], corner[1], corner[2]});
+  const Vector3 normal = unit_normal({corner[0], corner[1], corner[2]});
   for (const Vector3& point : around) {
     double off = std::numeric_limits<double>::max();  // the nearest side
     for (std::size_t k = 0; k < 4; ++k) {

@@ -92,9 +92,7 @@ inline MeshSurface::Heights MeshSurface::heights(const Planes& planes, const Vec
 GRANARY_EVERY_WIDTH void MeshSurface::measure(const Planes* planes, const Look* looks, const Pair* pairs, std::size_t n,
                                               Measured* measured) {
   for (std::size_t p = 0; p < n; ++p) {
-    const Heights over = heights(planes[pairs[p].face], looks[pairs[p].look].centre);
-    const double beyond = over.beyond(), outside = 0.5 * (beyond + std::abs(beyond));
-    measured[p] = {over.face, beyond, over.face * over.face + outside * outside};
+    measured[p] = heights(planes[pairs[p].face], looks[pairs[p].look].centre).measured();
   }
 }
 
@@ -147,9 +145,7 @@ void MeshSurface::search(const Vector3& centre, const FaceCells::Near& near, Nea
   for (const auto& [f, from_middle] : near.entries) {
     const double least = static_cast<double>(from_middle) - near.off_middle;
     if (least >= complete) break;  // so are all that follow
-    const Heights over = heights(f, centre);
-    const double outside = std::max(0.0, over.beyond()),
-                 distance = std::sqrt(over.face * over.face + outside * outside);
+    const double distance = std::sqrt(heights(f, centre).measured().distance2);
     if (distance >= complete) continue;
     if (n == Nearby::kMost) complete = std::max(distance, static_cast<double>(nearby.distance(n - 1)));
     if (distance >= complete) continue;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +41,12 @@ class MeshSurface : public Surface {
 
     Vector3 outwards(std::size_t k) const { return {x[k], y[k], z[k]}; }
   };
+  /// How far a point is from a face.
+  struct Measured {
+    double height;     ///< over the face's plane [m]
+    double beyond;     ///< Heights::beyond() [m]
+    double distance2;  ///< square of a distance that the face keeps at least [m^2]
+  };
   /// Heights of a point over them [m].
   struct Heights {
     Four over;  ///< the sides' planes
@@ -48,6 +55,11 @@ class MeshSurface : public Surface {
     /// Distance of the point, in the face's plane, from the farthest side that it is beyond of; not above 0 inside.
     /// No point of the face is nearer.
     double beyond() const { return std::max(std::max(over[0], over[1]), std::max(over[2], over[3])); }
+    /// Without a branch: on which side of a side a point is cannot be foreseen.
+    Measured measured() const {
+      const double out = beyond(), outside = 0.5 * (out + std::abs(out));
+      return {face, out, face * face + outside * outside};
+    }
   };
   /// A side as seen from its face: how far it reaches, and how the face that is joined there goes on.
   struct Side {
@@ -58,12 +70,6 @@ class MeshSurface : public Surface {
   /// A face that may be near enough to a sphere.
   struct Pair {
     std::uint32_t look, face;
-  };
-  /// How far a sphere's centre is from a face of such a pair.
-  struct Measured {
-    double height;     ///< over the face's plane [m]
-    double beyond;     ///< Heights::beyond() [m]
-    double distance2;  ///< square of a distance that the face keeps at least [m^2]
   };
   /// Equal distances by number: how they were found must not show.
   static bool is_before(double distance, std::uint32_t face, double other_distance, std::uint32_t other_face) {

@@ -55,7 +55,7 @@ bool agree(const Vector3& a, const Vector3& b) { return norm(a - b) <= 1e-12 * (
 
 template <RollingModel rolling, bool frozen>
 void expect_the_law() {
-  constexpr double kStep = 5e-6;
+  constexpr double kTimeStep = 5e-6;
   const WallRows::Frame frame{Turn::about({0.6, 0.0, 0.8}, 1.1), {3.0, 0.0, 4.0}, {0.02, -0.01, 0.03}};
   WallRows rows(rolling);
   std::size_t sticking = 0, sliding = 0;
@@ -63,7 +63,7 @@ void expect_the_law() {
     const std::vector<Case> cases = some_touches(n);
     rows.clear();
     for (const Case& c : cases) rows.add(c.material, c.touch());
-    const WallRows::Sums sums = rows.advance(frame, kStep, frozen);
+    const WallRows::Sums sums = rows.advance(frame, kTimeStep, frozen);
     ASSERT_EQ(rows.size(), n);
     Vector3 force{}, moment{};
     double deepest = 0.0;
@@ -78,7 +78,7 @@ void expect_the_law() {
                                   frame.spin};
       TouchHistory history = c.history;
       if (rolling != RollingModel::epsd2) history.rolling_torque = {};
-      const WallForce pushed = wall_force<rolling, frozen>(c.material, approach, kStep, history);
+      const WallForce pushed = wall_force<rolling, frozen>(c.material, approach, kTimeStep, history);
       EXPECT_TRUE(agree(rows.force(k), frame.turn.to_lab(pushed.force))) << k;
       EXPECT_TRUE(agree(rows.torque(k), frame.turn.to_lab(pushed.torque))) << k;
       EXPECT_TRUE(agree(rows.shear(k), history.shear)) << k;
