@@ -11,7 +11,6 @@
 #include <comm.h>
 #include <force.h>
 #include <modify.h>
-#include <pair_gran.h>
 #include <timer.h>
 #include <update.h>
 
@@ -92,16 +91,15 @@ FixTally::~FixTally() {
       if (body.walls && modify->fix[f] == body.walls) body.walls->set_listener({});
 }
 
-int FixTally::setmask() {
-  return LAMMPS_NS::FixConst::POST_FORCE | LAMMPS_NS::FixConst::PRE_EXCHANGE | LAMMPS_NS::FixConst::POST_RUN;
-}
+int FixTally::setmask() { return LAMMPS_NS::FixConst::POST_FORCE | LAMMPS_NS::FixConst::POST_RUN; }
 
 void FixTally::init() {
   const std::string place = "fix " + std::string(id) + " (granary/tally): ";
   const auto require = [&](bool fine, const std::string& message) {
     if (!fine) end_if_failed(world, Error{place + message + " See docs/dem_styles.md."});
   };
-  require(dynamic_cast<LAMMPS_NS::PairGran*>(force->pair) != nullptr, "needs a pair_style gran.");
+  pairs_ = dynamic_cast<PairTouching*>(force->pair);
+  require(pairs_ != nullptr, "needs a pair_style gran.");
   require(force->newton_pair == 0, "needs 'newton off'.");
 
   for (Body& body : bodies_) {
@@ -132,8 +130,10 @@ Status FixTally::find(Body& body) {
   return {};
 }
 
-// These walls look at every step: each impact is known as it begins.
+// The pair forces and our walls see every step: each contact is known as it begins.
 void FixTally::listen() {
+  listener_ = std::make_shared<const PairTouching::Listener>([this](int i, int j) { count_collision(i, j); });
+  pairs_->set_listener(listener_);
   for (const Body& body : bodies_) {
     if (!body.walls) continue;
     std::vector<std::size_t> number(body.walls->body_names().size(), bodies_.size());
@@ -148,15 +148,14 @@ void FixTally::listen() {
 
 // What touches when a run starts has begun before it.
 void FixTally::setup(int) {
-  if (!force->pair->listgranhistory)
-    end_if_failed(world, Error{"fix " + std::string(id) +
-                               " (granary/tally): needs a pair_style gran with 'tangential history', whose flags tell "
-                               "it which pairs have touched. See docs/dem_styles.md."});
-  contacts_.clear();
-  ghost_velocity_.clear();
-  list_is_new_ = true;
+  if (!pairs_->listgranhistory)
+    end_if_failed(world,
+                  Error{"fix " + std::string(id) +
+                        " (granary/tally): needs a pair_style gran with 'tangential history', which tells from one "
+                        "neighbour list to the next which pairs touch. See docs/dem_styles.md."});
   own_seconds_ = 0.0;
-  look(Purpose::remember);
+  pairs_->take_largest_overlap();
+  look_at_walls(Purpose::remember);
   survey(Purpose::remember);
   last_look_ = static_cast<long>(update->ntimestep);
   looks_ = 0;
@@ -169,12 +168,9 @@ void FixTally::setup(int) {
 // After the forces of the step are known, before they act: positions, ghosts and velocities all belong to one instant.
 void FixTally::post_force(int) {
   const auto step = static_cast<long>(update->ntimestep);
-  n_local_ = atom->nlocal;
   if (step % every_ != 0) return;
   const double start = MPI_Wtime();
-  look(Purpose::count);
-  look_at_loads();
-  last_look_ = step;
+  look(step);
   const bool window_ends = step - window_start_ >= window_steps_;
   if (++looks_ % kLooksPerSurvey == 0 || window_ends) survey(Purpose::count);
   own_seconds_ += MPI_Wtime() - start;
@@ -186,8 +182,7 @@ void FixTally::post_run() {
   say_cost();
   const auto step = static_cast<long>(update->ntimestep);
   if (step == window_start_) return;
-  if (step > last_look_) look(Purpose::count);
-  last_look_ = step;
+  if (step > last_look_) look(step);
   survey(Purpose::count);
   close_window();
 }
@@ -201,21 +196,28 @@ void FixTally::say_cost() const {
                    100.0 * own_seconds_ / pairs, pairs);
 }
 
-void FixTally::look(Purpose purpose) {
-  look_at_pairs(purpose, 0.0);
-  look_at_walls(purpose);
-  for (int i = 0; i < atom->nlocal; ++i) {
-    ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
-    last.known = true;
-    std::copy_n(atom->v[i], 3, last.velocity.begin());
-    last.bodies = bodies_touched_[static_cast<std::size_t>(i)];
-  }
-  ghost_velocity_.resize(static_cast<std::size_t>(atom->nghost));
-  for (int g = 0; g < atom->nghost; ++g)
-    std::copy_n(atom->v[atom->nlocal + g], 3, ghost_velocity_[static_cast<std::size_t>(g)].begin());
+void FixTally::look(long step) {
+  window_->overlap(pairs_->take_largest_overlap());
+  look_at_walls(Purpose::count);
+  look_at_loads();
+  last_look_ = step;
+}
+
+// A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there.
+void FixTally::count_collision(int i, int j) {
+  if ((atom->tag[i] < atom->tag[j] ? i : j) >= atom->nlocal) return;
+  const double start = MPI_Wtime();
+  const Vector3 between = vector_of(atom->x[i]) - vector_of(atom->x[j]);
+  const Vector3 velocity = vector_of(atom->v[i]) - vector_of(atom->v[j]);
+  const double radius_i = atom->radius[i], radius_j = atom->radius[j];
+  const double axial = 0.5 * (atom->x[i][layout_.axis] + atom->x[j][layout_.axis]);
+  window_->collision(2.0 * radius_i, 2.0 * radius_j, axial,
+                     touch_speed(between.data(), velocity.data(), radius_i + radius_j));
+  own_seconds_ += MPI_Wtime() - start;
 }
 
 void FixTally::look_at_walls(Purpose purpose) {
+  if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.wall != nullptr; })) return;
   bodies_touched_.assign(static_cast<std::size_t>(atom->nlocal), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (!bodies_[b].wall) continue;
@@ -225,8 +227,14 @@ void FixTally::look_at_walls(Purpose purpose) {
       bodies_touched_[particle] |= bit;
       if (purpose == Purpose::remember) return;
       window_->overlap(touch.overlap);
-      if (!(book_.memory(particle).bodies & bit)) count_impact(b, touch);
+      if (!(memories_[particle].bodies & bit)) count_impact(b, touch);
     });
+  }
+  for (int i = 0; i < atom->nlocal; ++i) {
+    Memory& last = memories_[static_cast<std::size_t>(i)];
+    last.known = true;
+    std::copy_n(atom->v[i], 3, last.velocity.begin());
+    last.bodies = bodies_touched_[static_cast<std::size_t>(i)];
   }
 }
 
@@ -248,7 +256,7 @@ void FixTally::count_impact(std::size_t body, const WallTouch& touch) {
     for (std::size_t d = 0; d < 3; ++d) speed += (touch.velocity[d] - v[d]) * touch.normal[d];
     return speed;
   };
-  const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(touch.particle));
+  const Memory& last = memories_[static_cast<std::size_t>(touch.particle)];
   double speed = last.known ? approach(last.velocity.data()) : -1.0;
   if (speed <= 0.0) speed = std::abs(approach(atom->v[touch.particle]));
   window_->impact(body, 2.0 * atom->radius[touch.particle], atom->x[touch.particle][layout_.axis], speed);
@@ -258,7 +266,7 @@ void FixTally::survey(Purpose purpose) {
   for (int i = 0; i < atom->nlocal; ++i) {
     const double* v = atom->v[i];
     const double axial = atom->x[i][layout_.axis];
-    ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(i));
+    Memory& last = memories_[static_cast<std::size_t>(i)];
     if (purpose == Purpose::count) {
       if (!std::isnan(last.axial)) window_->moved(last.axial, axial);
       window_->particle(2.0 * atom->radius[i], axial, v[layout_.axis], dot3(v, v), atom->rmass[i]);
@@ -270,8 +278,7 @@ void FixTally::survey(Purpose purpose) {
 }
 
 void FixTally::leaves(int particle) {
-  contacts_to_book();
-  const ContactBook::Memory& last = book_.memory(static_cast<std::size_t>(particle));
+  const Memory& last = memories_[static_cast<std::size_t>(particle)];
   if (!std::isnan(last.axial)) window_->moved(last.axial, atom->x[particle][layout_.axis]);
 }
 
@@ -313,26 +320,19 @@ Status FixTally::open_file() {
 
 Status FixTally::write_line(const json::Value& line) { return writer_ ? writer_->append(line) : Status{}; }
 
-void FixTally::pre_exchange() {
-  const double start = MPI_Wtime();
-  contacts_to_book();
-  if (comm->nprocs > 1)
-    comm->maxexchange_fix = std::max(comm->maxexchange_fix, static_cast<int>(book_.largest_packed()));
-  own_seconds_ += MPI_Wtime() - start;
-}
-
-void FixTally::grow_arrays(int n) { book_.resize(static_cast<std::size_t>(n)); }
+void FixTally::grow_arrays(int n) { memories_.resize(static_cast<std::size_t>(n)); }
 void FixTally::copy_arrays(int from, int to, int) {
-  book_.copy(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+  memories_[static_cast<std::size_t>(to)] = memories_[static_cast<std::size_t>(from)];
 }
-void FixTally::set_arrays(int particle) { book_.clear(static_cast<std::size_t>(particle)); }
+void FixTally::set_arrays(int particle) { memories_[static_cast<std::size_t>(particle)] = {}; }
 
 int FixTally::pack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.pack(static_cast<std::size_t>(particle), atom->tag[particle], buffer));
+  memories_[static_cast<std::size_t>(particle)].pack(buffer);
+  return static_cast<int>(Memory::kDoubles);
 }
-
 int FixTally::unpack_exchange(int particle, double* buffer) {
-  return static_cast<int>(book_.unpack(static_cast<std::size_t>(particle), atom->tag[particle], buffer));
+  memories_[static_cast<std::size_t>(particle)] = Memory::unpack(buffer);
+  return static_cast<int>(Memory::kDoubles);
 }
 
 }  // namespace granary::dem

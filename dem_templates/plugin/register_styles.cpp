@@ -15,7 +15,8 @@
 #include "dem_templates/plugin/fix_resize.hpp"
 #include "dem_templates/plugin/fix_skin.hpp"
 #include "dem_templates/plugin/fix_tally.hpp"
-#include "dem_templates/plugin/pair_touching.hpp"
+#include "dem_templates/plugin/pair/fix_touch_history.hpp"
+#include "dem_templates/plugin/pair/pair_touching.hpp"
 #include "dem_templates/plugin/wall/fix_wall.hpp"
 
 namespace {
@@ -56,6 +57,7 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   styles["granary/wall"] = create<FixWall>;
 
   // LIGGGHTS' own that are done in another way.
+  styles["contacthistory"] = create<FixTouchHistory>;
   styles["gravity"] = create<FixGravity>;
   styles["nve/sphere"] = create<FixNveSphere>;
   use_cell_neighbor(lammps);

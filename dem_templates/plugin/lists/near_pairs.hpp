@@ -1,4 +1,4 @@
-// Which of the listed pairs may touch now. Plain numbers: no LIGGGHTS.
+// Which of the listed pairs touch now. Plain numbers: no LIGGGHTS.
 #pragma once
 
 #include <array>
@@ -7,8 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "dem_templates/plugin/lists/cell_pairs.hpp"
-
 namespace granary::dem {
 
 /// Of thousands of listed pairs some dozens touch. Two spheres that were `gap` apart when the list was made, and of
@@ -16,27 +14,31 @@ namespace granary::dem {
 /// are kept sorted by their gaps, and only the nearest ones are looked at.
 class NearPairs {
  public:
-  /// The list has been made: these are its pairs. widest: of the gaps, about [m]; n: number of spheres.
-  void start(std::span<const ListedPair> pairs, const double* places, const double* radii, std::size_t n,
-             double widest);
+  /// Sphere j is the one with this place among the listed neighbours of i.
+  struct Pair {
+    std::uint32_t i, j, place;
+  };
 
-  /// Numbers i, ascending, of those with a pair (i, j) nearer than its radii, or nearly so. moved: since start(); any
-  /// larger number will do [m].
-  std::vector<int>& touching(const double* places, double moved);
+  /// The list has been made: these are its pairs. widest: of the gaps, about [m].
+  void start(std::span<const Pair> pairs, const double* places, const double* radii, double widest);
+
+  std::size_t size() const { return pairs_.size(); }
+  /// In an order of its own, until the next start().
+  const Pair& pair(std::size_t number) const { return pairs_[number]; }
+
+  /// Numbers of the pairs nearer than their radii, ascending; until the next call. moved: since start(); any larger
+  /// number will do [m].
+  std::span<const std::uint32_t> touching(const double* places, double moved);
 
  private:
   static constexpr std::size_t kDrawers = 32;
 
   double drawer_width_ = 1.0, rounding_ = 0.0;     ///< [m]
   std::array<std::size_t, kDrawers + 1> first_{};  ///< of the pairs in each drawer: by their gaps, in equal steps
-  struct Pair {
-    std::uint32_t i, j;
-    double touching2;  ///< square of the sum of the radii [m^2]
-  };
   std::vector<Pair> pairs_;
-  std::vector<std::uint8_t> drawer_;       ///< scratch, of each pair
-  std::vector<std::uint8_t> is_touching_;  ///< of each sphere; filled up to a multiple of 8
-  std::vector<int> touching_;
+  std::vector<double> touching2_;        ///< of each pair, square of the sum of the radii [m^2]
+  std::vector<std::uint8_t> drawer_;     ///< scratch, of each pair
+  std::vector<std::uint32_t> touching_;  ///< scratch
 };
 
 }  // namespace granary::dem

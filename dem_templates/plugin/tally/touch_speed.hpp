@@ -26,26 +26,4 @@ inline double touch_speed(const double* d, const double* v, double R) {
   return std::sqrt(std::max(0.0, dv * dv + v2 * (R * R - d2))) / R;
 }
 
-/// Two spheres have touched and parted again. Gone back on the line on which they fly now, to where they parted (or
-/// came nearest), gives the direction in which the contact pushed; the speed is what they had in it before.
-///
-/// @param d       from one centre to the other, now [m]
-/// @param before  relative velocity before the contact [m/s]
-/// @param v       relative velocity now [m/s]
-/// @param R       sum of the radii [m]
-/// @return        v_n [m/s], >= 0
-/// Source: derived here; checked against a bounce worked out step by step in touch_speed_test.cpp.
-inline double parted_speed(const double* d, const double* before, const double* v, double R) {
-  const double dv = dot3(d, v), v2 = dot3(v, v), d2 = dot3(d, d);
-  if (v2 == 0.0) return 0.0;
-  const double since = std::max(0.0, (dv - std::sqrt(std::max(0.0, dv * dv - v2 * (d2 - R * R)))) / v2);
-  double along = 0.0, distance2 = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const double then = d[k] - since * v[k];
-    along += before[k] * then;
-    distance2 += then * then;
-  }
-  return distance2 > 0.0 ? std::max(0.0, -along) / std::sqrt(distance2) : 0.0;
-}
-
 }  // namespace granary::dem

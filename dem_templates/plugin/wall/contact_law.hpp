@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dem_templates/plugin/contact_force.hpp"
 #include "dem_templates/plugin/wall/vectors.hpp"
 
 namespace granary::dem {
@@ -43,12 +44,9 @@ struct WallForce {
   double slip2 = 0.0;         ///< square of the speed of the particle's surface over the wall's [m^2/s^2]
 };
 
-/// Hertz spring and dashpot, Mindlin's tangential spring with history (rotated into the present tangential plane),
-/// limited by Coulomb, rolling resistance, cohesion:
+/// contact_force(), with rolling resistance and cohesion:
 ///
-///   F_n = 4/3 E* sqrt(R d) d - 2 sqrt(5/6) beta sqrt(S_n m) v_n,   S_n = 2 E* sqrt(R d)
-///   F_t = min(S_t s - 2 sqrt(5/6) beta sqrt(S_t m) v_t, mu |F_n|), S_t = 8 G* sqrt(R d)       (the dashpot only when
-///   sticking) cdt: M = mu_r k_n d R;  epsd2: spring S_t R^2, limited to mu_r |F_n| R;  sjkr: -k_c pi (R^2 - (R - d)^2)
+///   cdt: M = mu_r k_n d R;  epsd2: spring S_t R^2, limited to mu_r |F_n| R;  sjkr: -k_c pi (R^2 - (R - d)^2)
 ///
 /// One thing differs from wall/gran: rolling resistance goes by the spin relative to the wall's (as between two
 /// particles), where wall/gran takes the particle's own. frozen: the history is used, not advanced (setup).
@@ -59,30 +57,15 @@ struct WallForce {
 template <RollingModel rolling, bool frozen>
 [[gnu::always_inline]] inline WallForce wall_force(const WallMaterial& material, const WallApproach& a,
                                                    double time_step, TouchHistory& history) {
-  const double kSqrtFiveSixths = 0.91287092917527685576;
   const double distance = a.radius - a.overlap;
-  const double root = std::sqrt(a.radius * a.overlap);
-  const double normal_stiffness = 2.0 * material.young * root, shear_stiffness = 8.0 * material.shear * root;
-  const double spring = 4.0 / 3.0 * material.young * root;
-  const double damp = -2.0 * kSqrtFiveSixths * material.damping;
-
   const double normal_speed = dot(a.velocity, a.normal);
-  const double normal_force = spring * a.overlap - damp * std::sqrt(normal_stiffness * a.mass) * normal_speed;
-
-  // Velocity of the particle's surface where it touches; the arm ends halfway into the overlap.
-  const double arm = a.radius - 0.5 * a.overlap;
+  const double arm = a.radius - 0.5 * a.overlap;  // to where it touches: halfway into the overlap
   const Vector3 slip = a.velocity - normal_speed * a.normal + arm * cross(a.normal, a.spin);
-
-  Vector3 shear = history.shear;
-  if constexpr (!frozen) {
-    shear = shear + time_step * slip;
-    shear = shear - dot(shear, a.normal) * a.normal;
-  }
-  const double elastic = shear_stiffness * norm(shear), limit = material.friction * std::abs(normal_force);
-  const double kept = elastic > limit ? limit / elastic : 1.0;
-  const double shear_damping = elastic > limit ? 0.0 : damp * std::sqrt(shear_stiffness * a.mass);
-  const Vector3 tangential = kept * (-shear_stiffness * shear) - shear_damping * slip;
-  if constexpr (!frozen) history.shear = kept * shear;
+  const ContactForce contact =
+      contact_force<frozen>({material.young, material.shear, material.damping, material.friction},
+                            {a.radius, a.mass, a.overlap, a.normal, normal_speed, slip}, time_step, history.shear);
+  const double normal_force = contact.normal;
+  const Vector3 tangential = contact.tangential;
 
   const double cohesion = material.cohesion * M_PI * (a.radius * a.radius - distance * distance);
   WallForce result;
@@ -93,13 +76,13 @@ template <RollingModel rolling, bool frozen>
   result.torque = -arm * cross(a.normal, tangential);
   const Vector3 turning = (arm / distance) * (a.spin - a.wall_spin);
   if constexpr (rolling == RollingModel::cdt) {
-    const double rate = norm(turning), most = material.rolling_friction * spring * a.overlap * a.radius;
+    const double rate = norm(turning), most = material.rolling_friction * contact.spring * a.overlap * a.radius;
     const Vector3 resisting = (rate > 0.0 ? most / rate : 0.0) * turning;
     result.torque = result.torque - (resisting - dot(resisting, a.normal) * a.normal);
   } else if constexpr (rolling == RollingModel::epsd2) {
     const Vector3 over_wall = turning - dot(turning, a.normal) * a.normal;
     const Vector3 spring_torque =
-        history.rolling_torque + (time_step * shear_stiffness * a.radius * a.radius) * over_wall;
+        history.rolling_torque + (time_step * contact.shear_stiffness * a.radius * a.radius) * over_wall;
     const double most = std::abs(normal_force) * a.radius * material.rolling_friction, size = norm(spring_torque);
     const Vector3 resisting = (size > most ? most / size : 1.0) * spring_torque;
     if constexpr (!frozen) history.rolling_torque = 1.0 * resisting;

@@ -92,21 +92,31 @@ TEST(NearPairs, MissNoneThatTouchesAfterAllHaveMovedBySoMuch) {
   const double skin = 2e-3;
   Spheres all(500, {0.05, 0.05, 0.05}, 0.5e-3, 2e-3);
   CellPairs cells;
+  std::vector<NearPairs::Pair> listed;
+  for (const auto& [i, j] : cells.find(all.places.data(), all.radii.data(), all.n(), all.n(), 1.0, skin))
+    listed.push_back(
+        {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(listed.size() % 5)});
   NearPairs near_pairs;
-  const auto listed = cells.find(all.places.data(), all.radii.data(), all.n(), all.n(), 1.0, skin);
-  near_pairs.start(listed, all.places.data(), all.radii.data(), all.n(), skin);
+  near_pairs.start(listed, all.places.data(), all.radii.data(), skin);
+  ASSERT_EQ(near_pairs.size(), listed.size());
+  using Told = std::set<std::array<std::uint32_t, 3>>;
   for (const double moved : {0.0, 0.2e-3, 0.6e-3, 1e-3}) {
     Spheres now = all;
     now.shake(moved);
-    std::set<int> touching;
-    for (const auto& [i, j] : listed)
-      if (now.gap(static_cast<std::size_t>(i), static_cast<std::size_t>(j)) < 0.0) touching.insert(i);
+    Told touching;
+    for (const auto& [i, j, place] : listed)
+      if (now.gap(i, j) < 0.0) touching.insert({i, j, place});
     ASSERT_GT(touching.size(), 20u);
     for (const double said : {moved, std::numeric_limits<double>::infinity()}) {
-      const std::vector<int>& seen = near_pairs.touching(now.places.data(), said);
-      EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
-      EXPECT_EQ(std::set<int>(seen.begin(), seen.end()), touching);
-      EXPECT_EQ(seen.size(), touching.size());
+      const std::span<const std::uint32_t> numbers = near_pairs.touching(now.places.data(), said);
+      EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
+      Told told;
+      for (const std::uint32_t number : numbers) {
+        const auto& [i, j, place] = near_pairs.pair(number);
+        told.insert({i, j, place});
+      }
+      EXPECT_EQ(told, touching);
+      EXPECT_EQ(numbers.size(), touching.size());
     }
   }
 }

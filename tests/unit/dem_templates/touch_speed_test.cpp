@@ -41,34 +41,5 @@ TEST(TouchSpeed, IsTheWholeSpeedHeadOnAndNothingAtRest) {
   EXPECT_DOUBLE_EQ(touch_speed(d, rest, 1.0), 0.0);
 }
 
-/// Two equal spheres with a spring and a dashpot between their centres bounce obliquely.
-TEST(PartedSpeed, IsThatOfTheTouchBeforeAShortBounce) {
-  for (const double aside : {0.0, 0.3, 0.6, 0.9}) {
-    const double R = 1.0, dt = 1e-6, k = 1e6, c = 300.0;
-    double d[3] = {std::sqrt(R * R - aside * aside) + 1e-4, aside, 0.0}, v[3] = {-2.0, 0.3, 0.1};
-    const double before[3] = {v[0], v[1], v[2]};
-    double at_touch = 0.0;
-    bool touched = false;
-    for (int step = 0; step < 20000; ++step) {
-      const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      const double normal = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / distance;
-      if (distance < R) {
-        if (!touched) at_touch = -normal;
-        touched = true;
-        const double push = k * (R - distance) - c * normal;
-        for (int n = 0; n < 3; ++n) v[n] += push * dt * d[n] / distance;
-      }
-      for (int n = 0; n < 3; ++n) d[n] += v[n] * dt;
-    }
-    ASSERT_TRUE(touched) << aside;
-    EXPECT_NEAR(parted_speed(d, before, v, R), at_touch, 0.03 * at_touch) << aside;  // it turns while it touches
-  }
-}
-
-TEST(PartedSpeed, IsNothingForTwoThatStand) {
-  const double d[3] = {1.1, 0, 0}, rest[3] = {0, 0, 0};
-  EXPECT_DOUBLE_EQ(parted_speed(d, rest, rest, 1.0), 0.0);
-}
-
 }  // namespace
 }  // namespace granary::dem
