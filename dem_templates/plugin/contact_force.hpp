@@ -1,5 +1,5 @@
 // How two spheres, or a sphere and a wall, push each other where they touch: the law of `model hertz tangential
-// history` of LIGGGHTS 3.8.0. Plain numbers: no LIGGGHTS.
+// history [rolling_friction epsd2]` of LIGGGHTS 3.8.0. Plain numbers: no LIGGGHTS.
 #pragma once
 
 #include <cmath>
@@ -10,10 +10,11 @@ namespace granary::dem {
 
 /// Of two types against each other, as LIGGGHTS' property registry has them.
 struct ContactMaterial {
-  double young = 0.0;     ///< effective Young's modulus [Pa]
-  double shear = 0.0;     ///< effective shear modulus [Pa]
-  double damping = 0.0;   ///< ln e / sqrt(ln^2 e + pi^2), not positive [-]
-  double friction = 0.0;  ///< Coulomb [-]
+  double young = 0.0;             ///< effective Young's modulus [Pa]
+  double shear = 0.0;             ///< effective shear modulus [Pa]
+  double damping = 0.0;           ///< ln e / sqrt(ln^2 e + pi^2), not positive [-]
+  double friction = 0.0;          ///< Coulomb [-]
+  double rolling_friction = 0.0;  ///< [-]
 };
 
 /// Two bodies that overlap; the effective radius and mass of one against a wall are its own.
@@ -69,6 +70,26 @@ template <bool frozen>
   force.tangential = kept * (-shear_stiffness * moved) - shear_damping * c.slip;
   if constexpr (!frozen) shear = kept * moved;
   return force;
+}
+
+/// Resistance to rolling of epsd2, a spring S_t R^2 with history, limited to mu_r |F_n| R:
+///
+///   M = min(M_before + S_t R^2 w dt, mu_r |F_n| R),  w: what the one turns over the other, but for twisting
+///
+/// @param turning  of the one against the other [rad/s]
+/// @param history  M, from step to step [N m]
+/// @return         M; the torque on the one is -M [N m]
+/// Source: LIGGGHTS manual, page gran_rolling_friction_epsd2; held against LIGGGHTS itself in the same tests.
+template <bool frozen>
+[[gnu::always_inline]] inline Vector3 rolling_torque(double rolling_friction, const ContactState& c,
+                                                     const ContactForce& force, const Vector3& turning,
+                                                     double time_step, Vector3& history) {
+  const Vector3 over = turning - dot(turning, c.normal) * c.normal;
+  const Vector3 spring = history + (time_step * force.shear_stiffness * c.radius * c.radius) * over;
+  const double most = std::abs(force.normal) * c.radius * rolling_friction, size = norm(spring);
+  const Vector3 torque = (size > most ? most / size : 1.0) * spring;
+  if constexpr (!frozen) history = 1.0 * torque;  // a plain copy of three numbers would make no vector of rows
+  return torque;
 }
 
 }  // namespace granary::dem

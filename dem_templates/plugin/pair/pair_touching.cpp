@@ -33,9 +33,11 @@ std::set<std::string> settings_of(int narg, char** arg) {
 
 void PairTouching::settings(int narg, char** arg) {
   std::set<std::string> all = settings_of(narg, arg);
-  is_hertz_ = all == std::set<std::string>{"model hertz", "tangential history"};
+  const bool rolls = all.erase("rolling_friction epsd2") == 1;
+  is_in_rows_ = all == std::set<std::string>{"model hertz", "tangential history"};
+  rows_ = PairRows(rolls);
   for (const char* known : {"model hertz", "model hooke", "tangential history", "rolling_friction cdt",
-                            "rolling_friction epsd", "rolling_friction epsd2", "cohesion sjkr", "cohesion sjkr2"})
+                            "rolling_friction epsd", "cohesion sjkr", "cohesion sjkr2"})
     all.erase(known);
   forgets_ = all.empty();
   PairGranProxy::settings(narg, arg);
@@ -43,18 +45,20 @@ void PairTouching::settings(int narg, char** arg) {
 
 void PairTouching::init_granular() {
   PairGranProxy::init_granular();
-  if (!is_hertz_) return;
+  if (!is_in_rows_) return;
   PropertyRegistry& registry = force->registry;  // LIGGGHTS' own models have registered them
   registry.connect("Yeff", young_, "pair_style gran");
   registry.connect("Geff", shear_, "pair_style gran");
   registry.connect("betaeff", damping_, "pair_style gran");
   registry.connect("coeffFrict", friction_, "pair_style gran");
+  if (rows_.rolling()) registry.connect("coeffRollFrict", rolling_friction_, "pair_style gran");
   n_types_ = static_cast<std::size_t>(atom->ntypes) + 1;
   materials_.assign(n_types_ * n_types_, {});
   const auto n_known = std::min(n_types_, static_cast<std::size_t>(registry.max_type()) + 1);
   for (std::size_t i = 1; i < n_known; ++i)
     for (std::size_t j = 1; j < n_known; ++j)
-      materials_[i * n_types_ + j] = {young_[i][j], shear_[i][j], damping_[i][j], friction_[i][j]};
+      materials_[i * n_types_ + j] = {young_[i][j], shear_[i][j], damping_[i][j], friction_[i][j],
+                                      rows_.rolling() ? rolling_friction_[i][j] : 0.0};
 }
 
 double PairTouching::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
@@ -66,7 +70,7 @@ bool PairTouching::only_touching_matter() const {
 
 bool PairTouching::only_forces_matter(int energy, int virials, int add) const {
   return energy == 0 && virials == 0 && add == 0 && computeflag_ != 0 && shearupdate_ != 0 && atom->rmass != nullptr &&
-         force->nktv2p == 1.0 && dnum_pairgran == 3 && !store_contact_forces_ && !store_contact_forces_stress_ &&
+         force->nktv2p == 1.0 && !store_contact_forces_ && !store_contact_forces_stress_ &&
          fix_sum_normal_force_ == nullptr && fix_rigid == nullptr && freeze_group_bit_ == 0;
 }
 
@@ -97,7 +101,7 @@ void PairTouching::compute_force(int energy, int virials, int add) {
   touching_ = near_.touching(atom->nlocal > 0 ? atom->x[0] : nullptr, lists.moved());
   n_local_ = atom->nlocal;
   if (computeflag_ != 0) note_begins();
-  if (is_hertz_ && only_touching_matter() && only_forces_matter(energy, virials, add)) return push();
+  if (is_in_rows_ && only_touching_matter() && only_forces_matter(energy, virials, add)) return push();
   note_overlaps();
   if (!only_touching_matter()) return PairGranProxy::compute_force(energy, virials, add);
   let_liggghts_push(energy, virials, add);
@@ -144,18 +148,17 @@ void PairTouching::push_queued() {
   largest_overlap_ = std::max(largest_overlap_, rows_.advance(update->dt));
   const auto n_local = static_cast<std::uint32_t>(atom->nlocal);
   double *const forces = atom->f[0], *const torques = atom->torque[0];
-  const auto add = [](double* to, double share, const Vector3& v) {
-    for (std::size_t d = 0; d < 3; ++d) to[d] += share * v[d];
+  const auto add = [](double* to, const Vector3& v) {
+    for (std::size_t d = 0; d < 3; ++d) to[d] += v[d];
   };
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const NearPairs::Pair& pair = queued_[k];
-    const Vector3 force = rows_.force(k), torque = rows_.torque(k), shear = rows_.shear(k);
-    std::copy(shear.begin(), shear.end(), remembered(pair));
-    add(forces + 3 * pair.i, 1.0, force);
-    add(torques + 3 * pair.i, rows_.arm_i(k), torque);
+    rows_.write_history(k, remembered(pair));
+    add(forces + 3 * pair.i, rows_.force(k));
+    add(torques + 3 * pair.i, rows_.torque_i(k));
     if (pair.j >= n_local) continue;
-    add(forces + 3 * pair.j, -1.0, force);
-    add(torques + 3 * pair.j, rows_.arm_j(k), torque);
+    add(forces + 3 * pair.j, -1.0 * rows_.force(k));
+    add(torques + 3 * pair.j, rows_.torque_j(k));
   }
   rows_.clear();
 }

@@ -16,10 +16,10 @@
 
 namespace granary::dem {
 
-/// `model hertz tangential history`, and no word more, is worked out here, several pairs at once; all else by LIGGGHTS,
-/// from the particles that have a touching partner. All pairs are still looked at where LIGGGHTS does something for
-/// those that do not touch: `contact_distance_factor` above 1, multi-contact models, radii that change, predefined
-/// insertion.
+/// `model hertz tangential history [rolling_friction epsd2]`, and no word more, is worked out here, several pairs at
+/// once; all else by LIGGGHTS, from the particles that have a touching partner. All pairs are still looked at where
+/// LIGGGHTS does something for those that do not touch: `contact_distance_factor` above 1, multi-contact models, radii
+/// that change, predefined insertion.
 class PairTouching : public LAMMPS_NS::PairGranProxy {
  public:
   explicit PairTouching(LAMMPS_NS::LAMMPS* lammps) : PairGranProxy(lammps) {}
@@ -67,8 +67,8 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
   double* remembered(const NearPairs::Pair& pair) const;
   int& flag(const NearPairs::Pair& pair) const;
 
-  bool is_hertz_ = false;  ///< the law is that of PairRows
-  bool forgets_ = false;   ///< two that are apart remember nothing
+  bool is_in_rows_ = false;  ///< the law is that of PairRows
+  bool forgets_ = false;     ///< two that are apart remember nothing
   std::weak_ptr<const Listener> listener_;
   double largest_overlap_ = 0.0;
 
@@ -82,7 +82,8 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
   std::vector<int> with_partner_;          ///< scratch: particles
 
   // LIGGGHTS' registry writes through the addresses of these.
-  double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr;
+  double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,
+         **rolling_friction_ = nullptr;
   std::size_t n_types_ = 0;                                ///< and the unused 0
   std::vector<ContactMaterial> materials_;                 ///< of type i against type j: [i n_types_ + j]
   PairRows rows_;                                          ///< scratch

@@ -61,9 +61,9 @@ template <RollingModel rolling, bool frozen>
   const double normal_speed = dot(a.velocity, a.normal);
   const double arm = a.radius - 0.5 * a.overlap;  // to where it touches: halfway into the overlap
   const Vector3 slip = a.velocity - normal_speed * a.normal + arm * cross(a.normal, a.spin);
-  const ContactForce contact =
-      contact_force<frozen>({material.young, material.shear, material.damping, material.friction},
-                            {a.radius, a.mass, a.overlap, a.normal, normal_speed, slip}, time_step, history.shear);
+  const ContactState state{a.radius, a.mass, a.overlap, a.normal, normal_speed, slip};
+  const ContactForce contact = contact_force<frozen>(
+      {material.young, material.shear, material.damping, material.friction}, state, time_step, history.shear);
   const double normal_force = contact.normal;
   const Vector3 tangential = contact.tangential;
 
@@ -80,13 +80,8 @@ template <RollingModel rolling, bool frozen>
     const Vector3 resisting = (rate > 0.0 ? most / rate : 0.0) * turning;
     result.torque = result.torque - (resisting - dot(resisting, a.normal) * a.normal);
   } else if constexpr (rolling == RollingModel::epsd2) {
-    const Vector3 over_wall = turning - dot(turning, a.normal) * a.normal;
-    const Vector3 spring_torque =
-        history.rolling_torque + (time_step * contact.shear_stiffness * a.radius * a.radius) * over_wall;
-    const double most = std::abs(normal_force) * a.radius * material.rolling_friction, size = norm(spring_torque);
-    const Vector3 resisting = (size > most ? most / size : 1.0) * spring_torque;
-    if constexpr (!frozen) history.rolling_torque = 1.0 * resisting;
-    result.torque = result.torque - resisting;
+    result.torque = result.torque - rolling_torque<frozen>(material.rolling_friction, state, contact, turning,
+                                                           time_step, history.rolling_torque);
   }
   return result;
 }
