@@ -85,7 +85,8 @@ Result<std::string> timing_deck(const dem::DemCase& asked, const TimingDeck& dec
   dem::DemCase c = asked;
   c.walls = deck.walls;
   GRANARY_TRY(const std::vector<dem::Body> all, dem::bodies(c.machine));
-  GRANARY_TRY(const std::string walls, dem::wall_commands(c, all));
+  GRANARY_TRY(std::string walls, dem::wall_commands(c, all));
+  if (deck.windows > 0) walls += dem::watching_walls(c, all);
   const dem::Contact& m = c.contact;
   const auto pairs = [](double value) { return fmt::format("{0} {0} {0} {0}", value); };
   const auto down = dem::gravity_direction(c.machine);

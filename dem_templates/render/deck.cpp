@@ -255,7 +255,7 @@ Result<std::string> input_script(const DemCase& c, const std::vector<Body>& all)
       {"rolling", rolling_style(c)},
       {"time_step", digits(c.time_step)},
       {"gravity", digits(kGravity)},
-      {"walls", walls},
+      {"walls", walls + watching_walls(c, all)},
       {"run", run}};
   if (c.machine.type == Machine::Type::batch_bowl)
     return render(templates::in_batch_bowl, "in.batch_bowl.tmpl", values);

@@ -17,7 +17,8 @@ bool nothing_turns(const std::vector<Body>& all) { return std::none_of(all.begin
 
 std::string vector_text(Vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 
-Result<std::string> own_walls(const DemCase& c, const std::vector<Body>& all) {
+/// The bodies of a granary/wall.
+std::string own_bodies(const std::vector<Body>& all) {
   std::string bodies;
   for (const Body& body : all) {
     bodies += fmt::format(" &\n          mesh {0} meshes/{0}.stl", body.name);
@@ -25,6 +26,11 @@ Result<std::string> own_walls(const DemCase& c, const std::vector<Body>& all) {
       bodies += fmt::format(" rotate {} {} {} rad/s {}", body.name, vector_text(body.rotation->point),
                             vector_text(unit(body.rotation->axis)), body.rotation->speed);
   }
+  return bodies;
+}
+
+Result<std::string> own_walls(const DemCase& c, const std::vector<Body>& all) {
+  std::string bodies = own_bodies(all);
   bodies += fmt::format(
       "\n\n# Neighbour lists, made anew as seen from a frame that turns with the bed.\n"
       "fix lists all granary/lists axis {}",
@@ -58,6 +64,14 @@ Result<std::string> wall_commands(const DemCase& c, const std::vector<Body>& all
   return c.walls == Walls::granary ? own_walls(c, all) : stock_walls(c, all);
 }
 
+std::string watching_walls(const DemCase& c, const std::vector<Body>& all) {
+  if (c.walls == Walls::granary) return {};
+  return fmt::format(
+      "\n\n# Push nobody: they see where the others do. LIGGGHTS' own lose a touch now and then, and begin it anew.\n"
+      "fix watch all granary/wall type 2 push no{}{}\n",
+      rolling_style(c), own_bodies(all));
+}
+
 std::string resize_walls(const DemCase& c, const std::vector<Body>& all) {
   if (c.walls == Walls::granary) return " walls walls";
   std::string meshes;
@@ -71,8 +85,7 @@ std::string tally_bodies(const DemCase& c, const std::vector<Body>& all) {
   std::string bodies;
   for (const Body& body : all)
     if (turns(body) || nothing_turns(all))
-      bodies += fmt::format(" &\n          body {} {}", body.name,
-                            c.walls == Walls::granary ? "of walls" : "mesh " + body.name);
+      bodies += fmt::format(" &\n          body {} of {}", body.name, c.walls == Walls::granary ? "walls" : "watch");
   return bodies;
 }
 

@@ -13,10 +13,14 @@ namespace granary::dem {
 /// Defines the walls and how they turn.
 Result<std::string> wall_commands(const DemCase& dem_case, const std::vector<Body>& all);
 
+/// Where the walls are LIGGGHTS' own, walls of ours that see each impact as it begins, and push nobody: only
+/// granary-dem knows these. After wall_commands(), at the same step.
+std::string watching_walls(const DemCase& dem_case, const std::vector<Body>& all);
+
 /// Keywords of granary/resize: what it keeps particles off.
 std::string resize_walls(const DemCase& dem_case, const std::vector<Body>& all);
 
-/// Keywords of granary/tally: the bodies whose impacts it counts.
+/// Keywords of granary/tally: the bodies whose impacts it counts, of wall_commands() or watching_walls().
 std::string tally_bodies(const DemCase& dem_case, const std::vector<Body>& all);
 
 /// " rolling_friction epsd2" where there is some.

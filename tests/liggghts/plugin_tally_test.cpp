@@ -134,6 +134,57 @@ TEST(Tally, TakesTheSpeedOfAMovingWallIntoAccount) {
   }
 }
 
+// A sphere that meets the edge of a plate aside of its centre: the normal turns as it goes in, by the step it is seen
+// at.
+TEST(Tally, TakesTheNormalSpeedOfFirstTouchAtAnEdge) {
+  const double radius = 0.002, aside = 0.0012, speed = 10.0;
+  for (const double start : {-0.01, -0.010012, -0.010024, -0.010036}) {  // parts of a step
+    const Folder folder;
+    folder.write("plate.stl", solid(triangle({{{0, -0.02, 0}, {0.02, -0.02, 0}, {0.02, 0.02, 0}}}) +
+                                    triangle({{{0, -0.02, 0}, {0.02, 0.02, 0}, {0, 0.02, 0}}})));
+    const std::string deck = head("-0.03 0.03 -0.03 0.03 -0.02 0.02") + physics(0.9) +
+                             particles({{start, 0, aside, speed, 0, 0, 2 * radius}}) +
+                             "fix walls all granary/wall type 1 mesh plate plate.stl\n" +
+                             tally(kOneBin + "body plate of walls") + "run 400\n";
+    ASSERT_EQ(run_deck(folder, deck), 0) << folder.read("err");
+    const Counted counted(folder);
+    EXPECT_EQ(counted.impacts("plate"), 1.0);
+    ASSERT_EQ(counted.speeds("impact_speed").size(), 1u);
+    const double expected = speed * std::sqrt(1.0 - aside * aside / radius / radius);
+    EXPECT_NEAR(counted.speeds("impact_speed")[0], expected, 1e-3 * expected) << start;
+  }
+}
+
+// A copy of the walls that only watches sees what they see, and changes nothing.
+TEST(Tally, HearsTheSameOfWallsThatOnlyWatch) {
+  std::vector<TestParticle> list;
+  for (int n = 0; n < 30; ++n)
+    list.push_back(
+        {0.005 * (n % 6) - 0.0125, 0.005 * (n / 6) - 0.01, -0.004 + 1e-4 * n, 0.3, -0.1 * (n % 3), 0, 0.004});
+  const std::string drum =
+      "cylinder drum 0 0 0 1 0 0 0.018 rotate drum 0 0 0 1 0 0 rad/s 40 plane end 0.018 0 0 1 0 0 "
+      "plane start -0.018 0 0 1 0 0\n";
+  const auto counted = [&](const std::string& watching, const std::string& fix) {
+    const Folder folder;
+    EXPECT_EQ(run_deck(folder, head("-0.03 0.03 -0.03 0.03 -0.03 0.03") + physics(0.5, 0.4) + particles(list) +
+                                   "fix g all gravity 9.81 vector 0 0 -1\nfix walls all granary/wall type 1 " + drum +
+                                   watching + tally(kOneBin + "body drum of " + fix, 5, 5000) + "run 20000\n"),
+              0)
+        << folder.read("err");
+    return Counted(folder);
+  };
+  const std::string watching = "fix watch all granary/wall type 1 push no " + drum;
+  const Counted alone = counted("", "walls"), beside = counted(watching, "walls"), watched = counted(watching, "watch");
+  EXPECT_GT(alone.impacts("drum"), 30.0);
+  ASSERT_EQ(alone.windows.size(), watched.windows.size());
+  for (std::size_t w = 0; w < alone.windows.size(); ++w) {
+    for (const char* same : {"impacts", "impact_speed", "loads", "kinetic_energy_J", "largest_overlap"}) {
+      EXPECT_EQ(json::dump(beside.windows[w][same]), json::dump(alone.windows[w][same])) << same;
+      EXPECT_EQ(json::dump(watched.windows[w][same]), json::dump(alone.windows[w][same])) << same;
+    }
+  }
+}
+
 // A drum that turns carries its bed up: what its wall bears must be the bed's weight and what turns it.
 TEST(Tally, TellsWhatABodyBears) {
   const Folder folder;

@@ -29,6 +29,9 @@ void add(double* to, const Vector3& v) {
   for (std::size_t d = 0; d < 3; ++d) to[d] += v[d];
 }
 
+constexpr double kBitLarger = 1.01;  // than a sphere: one that is about to touch is seen
+constexpr double kSameSide = 0.9;    // cosine
+
 }  // namespace
 
 FixWall::FixWall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
@@ -38,6 +41,7 @@ FixWall::FixWall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) : Fix(lammps, 
   type_ = settings.type;
   rolling_ = settings.rolling;
   cohesion_ = settings.cohesion;
+  pushes_ = settings.pushes;
   bodies_ = std::move(settings.bodies);
   watches_.resize(bodies_.size());
   sums_.assign(bodies_.size(), {});
@@ -247,14 +251,16 @@ void FixWall::push_queued(std::size_t b, bool frozen) {
   double *forces = atom->f[0], *torques = atom->torque[0];
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const Queued& queued = queued_[k];
-    add(forces + 3 * queued.particle, rows_.force(k));
-    add(torques + 3 * queued.particle, rows_.torque(k));
+    if (pushes_) {
+      add(forces + 3 * queued.particle, rows_.force(k));
+      add(torques + 3 * queued.particle, rows_.torque(k));
+    }
     if (frozen) continue;
     *queued.shear = rows_.shear(k);
     if (rolling_ == RollingModel::epsd2) *queued.rolling_torque = rows_.rolling_torque(k);
     if (!wear_.empty()) wear_off(b, k);
     if (!queued.begins) continue;
-    const double speed = -rows_.normal_speed(k);
+    const double speed = impact_speed(b, k);
     if (!(speed > 0.0)) continue;  // begun while parting, as a pinched particle does in step after step: no impact
     sums[7] += 1.0;
     sums[8] += speed;
@@ -266,6 +272,33 @@ void FixWall::push_queued(std::size_t b, bool frozen) {
   add(&sums[0], -1.0 * all.force);
   add(&sums[3], -1.0 * all.moment);
   sums[6] += dot(all.moment, body.spin());
+}
+
+// On a face the normal is the same all the way in; at an edge or a corner it turns, and a later one sees less of the
+// speed: 2 % of a mixer's mean in steps of a fifteenth of the contact time.
+double FixWall::impact_speed(std::size_t b, std::size_t k) {
+  const double seen = -rows_.normal_speed(k);
+  if (!(seen > 0.0)) return seen;
+  const WallBody& body = bodies_[b];
+  const Queued& queued = queued_[k];
+  const SurfaceTouch& touch = *queued.touch;
+  const double radius = atom->radius[queued.particle];
+  const Vector3 velocity = body.turn.to_body(vector_of(atom->v[queued.particle])) - body.velocity_at(touch.point);
+  const double ago = std::min((radius - touch.distance) / seen, update->dt);
+  Nearby nearby;
+  Look look{.centre = touch.point + touch.distance * touch.normal - ago * velocity,
+            .radius = kBitLarger * radius,
+            .nearby = &nearby,
+            .particle = static_cast<std::uint32_t>(queued.particle)};
+  body.surface->look({&look, 1}, first_);
+  double likeness = kSameSide, speed = seen;
+  for (const SurfaceTouch& first : first_) {
+    const double alike = dot(first.normal, touch.normal);
+    if (alike <= likeness) continue;
+    likeness = alike;
+    speed = -dot(velocity, first.normal);
+  }
+  return speed;
 }
 
 void FixWall::wear_off(std::size_t b, std::size_t k) {

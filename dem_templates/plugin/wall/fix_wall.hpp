@@ -96,6 +96,9 @@ class FixWall : public LAMMPS_NS::Fix {
   void queue(std::size_t body, const Look& look, bool frozen);
   /// Forces of what is queued, on the particles, on the body, on whoever listens.
   void push_queued(std::size_t body, bool frozen);
+  /// Normal speed of the impact in queued touch k, of which we see the overlap that it has made in a part of a step: of
+  /// the place where the two first touched [m/s]. Not above 0: they part.
+  double impact_speed(std::size_t body, std::size_t k);
   void say_full();
   /// Ends the run if the particle has leapt to the other side of the surface.
   void refuse_if_passed(std::size_t body, const Look& look);
@@ -109,6 +112,7 @@ class FixWall : public LAMMPS_NS::Fix {
   int type_ = 1;
   RollingModel rolling_ = RollingModel::none;
   bool cohesion_ = false;
+  bool pushes_ = true;  ///< false: what it would do is only told
   std::vector<WallBody> bodies_;
   std::vector<Watch> watches_;                     ///< of each body
   std::vector<std::array<double, kSums>> sums_{};  ///< of each body, for compute_vector
@@ -127,6 +131,7 @@ class FixWall : public LAMMPS_NS::Fix {
   static constexpr std::size_t kMostLooks = 64;
   std::array<Look, kMostLooks> looks_;  ///< scratch: some of one body
   std::vector<SurfaceTouch> found_;     ///< scratch: by them
+  std::vector<SurfaceTouch> first_;     ///< scratch: where an impact began
   std::vector<std::size_t> slots_;      ///< scratch: of one particle's touches on its page
   TouchHistory unknown_;                ///< of all that have no place on a full page
   struct Queued {

@@ -132,8 +132,17 @@ WearSettings read_wear(FixArguments& arguments, const std::vector<WallBody>& bod
 }  // namespace
 
 std::vector<FixArguments::Keyword> wall_keywords() {
-  return {{"type"},           {"rolling_friction"},  {"cohesion"},        {"smooth"},          {"mesh", 2, true},
-          {"plane", 7, true}, {"cylinder", 8, true}, {"rotate", 9, true}, {"wear_archard", 2}, {"wear_finnie"},
+  return {{"type"},
+          {"rolling_friction"},
+          {"cohesion"},
+          {"push"},
+          {"smooth"},
+          {"mesh", 2, true},
+          {"plane", 7, true},
+          {"cylinder", 8, true},
+          {"rotate", 9, true},
+          {"wear_archard", 2},
+          {"wear_finnie"},
           {"wear_file", 2}};
 }
 
@@ -151,6 +160,9 @@ WallSettings read_wall_settings(FixArguments& arguments) {
   settings.cohesion = cohesion == "sjkr";
   if (!settings.cohesion && cohesion != "off")
     arguments.problem("'cohesion' is '" + cohesion + "'; it must be off or sjkr.");
+  const std::string push = arguments.text_or("push", "yes");
+  settings.pushes = push == "yes";
+  if (!settings.pushes && push != "no") arguments.problem("'push' is '" + push + "'; it must be yes or no.");
   const double smooth = arguments.number_or("smooth", 5.0, Range::not_negative()) * M_PI / 180.0;
   if (smooth > 0.5 * M_PI) arguments.problem("'smooth' must be at most 90 degrees.");
 

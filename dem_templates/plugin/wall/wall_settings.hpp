@@ -14,6 +14,7 @@ struct WallSettings {
   int type = 1;  ///< LIGGGHTS' atom type of the walls
   RollingModel rolling = RollingModel::none;
   bool cohesion = false;
+  bool pushes = true;            ///< false: it only watches
   std::vector<WallBody> bodies;  ///< meshes, planes, cylinders
   WearSettings wear;
 };

@@ -105,6 +105,15 @@ TEST(InputScript, AStandingRotorHasNoMove) {
                                   HasSubstr("n_meshes 3 meshes shell impeller chopper")));
 }
 
+TEST(InputScript, StockWallsAreWatchedByOursThatPushNobody) {
+  EXPECT_THAT(script_of(a_case()), AllOf(Not(HasSubstr("push no")), HasSubstr("body impeller of walls")));
+  const std::string script = script_of(a_stock_case());
+  EXPECT_THAT(script,
+              AllOf(HasSubstr("fix watch all granary/wall type 2 push no"), HasSubstr("body impeller of watch")));
+  // From the step on which the others turn from, too.
+  EXPECT_LT(script.find("fix watch"), script.find("\nrun "));
+}
+
 TEST(InputScript, RollingFrictionOnlyWhereThereIsSome) {
   DemCase c = a_case();
   EXPECT_THAT(script_of(c), Not(HasSubstr("rolling_friction")));
@@ -134,7 +143,7 @@ TEST(InputScript, TalliesWhatTheCaseAsksFor) {
   EXPECT_THAT(script_of(a_case()),
               AllOf(HasSubstr("compartments 2 0 0.22 0.44"), HasSubstr("classes 2 0.001 0.0035 0.005"),
                     HasSubstr("window 1000"), HasSubstr("body impeller of walls")));
-  EXPECT_THAT(script_of(a_stock_case()), HasSubstr("body impeller mesh impeller"));
+  EXPECT_THAT(script_of(a_stock_case()), HasSubstr("body impeller of watch"));
 }
 
 TEST(InputScript, AgglomeratesTakeThePlaceOfThePopulation) {
