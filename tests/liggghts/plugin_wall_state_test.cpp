@@ -136,12 +136,16 @@ TEST(Wall, SaysWhatIsWrongWithItsArguments) {
       {"plane p 0 0 0 0 0 1 rotate p 0 0 0 0 0 1 hertz 3", "rpm"},
       {"plane p 0 0 0 0 0 1 plane p 0 0 1 0 0 1", "two bodies"},
       {"plane p 0 0 0 0 0 1 rolling_friction epsd", "cdt"},
+      {"plane p 0 0 0 0 0 1 push perhaps", "yes or no"},
       {"", "needs a body"}};
   folder.write("cut.stl", stl(floor_of(2)).substr(0, 300));
   for (const auto& [arguments, said] : wrong) {
     EXPECT_EQ(run_deck(folder, deck({}) + ours(arguments) + "run 1\n"), 2) << arguments;
     EXPECT_NE(folder.read("err").find(said), std::string::npos) << folder.read("err");
   }
+  // A mesh that cannot be read is one problem, not three.
+  EXPECT_EQ(run_deck(folder, deck({}) + ours("mesh part nowhere.stl rotate part 0 0 0 0 0 1 rpm 3") + "run 1\n"), 2);
+  EXPECT_EQ(folder.read("err").find("body"), std::string::npos) << folder.read("err");
 }
 
 }  // namespace

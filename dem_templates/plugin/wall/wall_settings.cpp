@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -54,11 +55,11 @@ class BodyReader {
 
   void mesh(const Words& words, double smooth) {
     auto read = read_stl_triangles(words[1]);
-    if (!read) return arguments_.problem("'mesh " + words[0] + "': " + read.error().message);
+    if (!read) return refuse(words[0], "'mesh " + words[0] + "': " + read.error().message);
     std::vector<Triangle> triangles = std::move(read).value();
     std::erase_if(triangles, [](const Triangle& t) { return !has_area(t); });
     if (triangles.empty())
-      return arguments_.problem("'mesh " + words[0] + "': " + words[1] + ": none of its triangles has an area.");
+      return refuse(words[0], "'mesh " + words[0] + "': " + words[1] + ": none of its triangles has an area.");
     const std::string shape = fingerprint_of({triangles[0][0].data(), 9 * triangles.size()});
     add(words[0], std::make_unique<MeshSurface>(std::move(triangles), smooth), shape);
   }
@@ -78,6 +79,7 @@ class BodyReader {
 
   void rotate(const Words& words) {
     const auto body = std::find_if(bodies_.begin(), bodies_.end(), [&](const auto& b) { return b.name == words[0]; });
+    if (body == bodies_.end() && refused_.contains(words[0])) return;  // said already
     if (body == bodies_.end()) return arguments_.problem("'rotate " + words[0] + "': there is no body of that name.");
     const auto v = numbers_of(arguments_, "rotate", words, 1, 7);
     const double value = numbers_of(arguments_, "rotate", words, 8, 9)[0];
@@ -104,8 +106,14 @@ class BodyReader {
     body.fingerprint = shape;
   }
 
+  void refuse(const std::string& name, const std::string& problem) {
+    refused_.insert(name);
+    arguments_.problem(problem);
+  }
+
   FixArguments& arguments_;
   std::vector<WallBody>& bodies_;
+  std::set<std::string> refused_;  ///< bodies
 };
 
 WearSettings read_wear(FixArguments& arguments, const std::vector<WallBody>& bodies) {
@@ -170,7 +178,8 @@ WallSettings read_wall_settings(FixArguments& arguments) {
   for (const Words& words : arguments.all("mesh")) read.mesh(words, smooth);
   for (const Words& words : arguments.all("plane")) read.plane(words);
   for (const Words& words : arguments.all("cylinder")) read.cylinder(words);
-  if (settings.bodies.empty()) arguments.problem("needs a body: 'mesh', 'plane' or 'cylinder'.");
+  if (settings.bodies.empty() && !arguments.has("mesh"))
+    arguments.problem("needs a body: 'mesh', 'plane' or 'cylinder'.");
   if (settings.bodies.size() > TouchBook::kMostBodies)
     arguments.problem("has " + std::to_string(settings.bodies.size()) + " bodies; one fix takes at most " +
                       std::to_string(TouchBook::kMostBodies) + ": give the others to a second one.");
