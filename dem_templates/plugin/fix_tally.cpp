@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include <atom.h>
 #include <comm.h>
@@ -132,8 +133,9 @@ Status FixTally::find(Body& body) {
 
 // The pair forces and our walls see every step: each contact is known as it begins.
 void FixTally::listen() {
-  listener_ = std::make_shared<const PairTouching::Listener>([this](int i, int j) { count_collision(i, j); });
-  pairs_->set_listener(listener_);
+  listener_ = std::make_shared<PairTouching::Listener>();
+  listener_->begins = [this](int i, int j) { count_collision(i, j); };
+  pairs_->add_listener(listener_);
   for (const Body& body : bodies_) {
     if (!body.walls) continue;
     std::vector<std::size_t> number(body.walls->body_names().size(), bodies_.size());
@@ -154,7 +156,7 @@ void FixTally::setup(int) {
                         " (granary/tally): needs a pair_style gran with 'tangential history', which tells from one "
                         "neighbour list to the next which pairs touch. See docs/dem_styles.md."});
   own_seconds_ = 0.0;
-  pairs_->take_largest_overlap();
+  listener_->largest_overlap = 0.0;
   look_at_walls(Purpose::remember);
   survey(Purpose::remember);
   last_look_ = static_cast<long>(update->ntimestep);
@@ -197,7 +199,7 @@ void FixTally::say_cost() const {
 }
 
 void FixTally::look(long step) {
-  window_->overlap(pairs_->take_largest_overlap());
+  window_->overlap(std::exchange(listener_->largest_overlap, 0.0));
   look_at_walls(Purpose::count);
   look_at_loads();
   last_look_ = step;

@@ -76,7 +76,7 @@ class FixTally : public LAMMPS_NS::Fix {
 
   std::optional<Window> window_;
   PairTouching* pairs_ = nullptr;  ///< tells of each contact of two particles as it begins
-  std::shared_ptr<const PairTouching::Listener> listener_;
+  std::shared_ptr<PairTouching::Listener> listener_;
   std::vector<Memory> memories_;               ///< of each particle
   std::vector<std::uint64_t> bodies_touched_;  ///< scratch: of each particle, at this look
   std::optional<json::LineWriter> writer_;     ///< on rank 0, from the first run on

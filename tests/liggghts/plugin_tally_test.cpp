@@ -320,6 +320,19 @@ TEST(Tally, AgreesWithACountByHandFromThePositionsOfEveryStep) {
     }
 }
 
+TEST(Tally, OneBesideAnotherCountsAll) {
+  const Folder folder;
+  const std::string second = "fix other all granary/tally file other.jsonl every 20 window 1000 " + kGasBins + "\n";
+  ASSERT_EQ(run_deck(folder, gas_deck(5, second + "run 2000\n")), 0) << folder.read("err");
+  const Counted one(folder);
+  fs::rename(folder / "other.jsonl", folder / "tallies.jsonl");
+  const Counted other(folder);
+  EXPECT_GT(one.all_collisions(), 50.0);
+  EXPECT_EQ(other.collisions(), one.collisions());
+  EXPECT_EQ(other.windows.back().number_or("largest_overlap", 0),
+            std::max(one.windows[2].number_or("largest_overlap", 0), one.windows[3].number_or("largest_overlap", 0)));
+}
+
 TEST(Tally, GivesTheSameOnOneAndOnTwoRanks) {
   const Folder folder;
   ASSERT_EQ(run_deck(folder, gas_deck(5, "run 3000\n")), 0) << folder.read("err");

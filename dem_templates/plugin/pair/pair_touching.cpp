@@ -18,6 +18,7 @@
 namespace granary::dem {
 namespace {
 
+// What LIGGGHTS' models of spring and friction would write.
 constexpr int kTouches =
     LIGGGHTS::ContactModels::CONTACT_NORMAL_MODEL | LIGGGHTS::ContactModels::CONTACT_TANGENTIAL_MODEL;
 
@@ -61,8 +62,6 @@ void PairTouching::init_granular() {
                                       rows_.rolling() ? rolling_friction_[i][j] : 0.0};
 }
 
-double PairTouching::take_largest_overlap() { return std::exchange(largest_overlap_, 0.0); }
-
 bool PairTouching::only_touching_matter() const {
   return neighbor->contactDistanceFactor <= 1.0 && !store_multicontact_data_ && atom->radvary_flag == 0 &&
          atom->sphere_flag != 0 && modify->n_fixes_style("insert/stream/predefined") == 0;
@@ -100,21 +99,40 @@ void PairTouching::compute_force(int energy, int virials, int add) {
   if (std::exchange(started_, lists.n_built()) != lists.n_built() || atom->radvary_flag != 0) start();
   touching_ = near_.touching(atom->nlocal > 0 ? atom->x[0] : nullptr, lists.moved());
   n_local_ = atom->nlocal;
+  largest_overlap_ = 0.0;
   if (computeflag_ != 0) note_begins();
+  push_pairs(energy, virials, add);
+  for_each_listener(
+      [this](Listener& listener) { listener.largest_overlap = std::max(listener.largest_overlap, largest_overlap_); });
+}
+
+void PairTouching::push_pairs(int energy, int virials, int add) {
   if (is_in_rows_ && only_touching_matter() && only_forces_matter(energy, virials, add)) return push();
   note_overlaps();
   if (!only_touching_matter()) return PairGranProxy::compute_force(energy, virials, add);
   let_liggghts_push(energy, virials, add);
 }
 
+template <class Told>
+void PairTouching::for_each_listener(Told&& told) {
+  for (std::size_t n = 0; n < listeners_.size();) {
+    if (const std::shared_ptr<Listener> listener = listeners_[n].lock()) {
+      told(*listener);
+      ++n;
+    } else {
+      listeners_.erase(listeners_.begin() + static_cast<std::ptrdiff_t>(n));
+    }
+  }
+}
+
 void PairTouching::note_begins() {
-  const std::shared_ptr<const Listener> listener = listener_.lock();
   const std::uint32_t before = n_steps_++;
   for (const std::uint32_t number : touching_) {
     if (std::exchange(touched_at_[number], n_steps_) == before || shearupdate_ == 0) continue;
     const NearPairs::Pair& pair = near_.pair(number);
     if (forgets_ && listgranhistory) std::fill_n(remembered(pair), listgranhistory->dnum, 0.0);
-    if (listener) (*listener)(static_cast<int>(pair.i), static_cast<int>(pair.j));
+    for_each_listener(
+        [&pair](Listener& listener) { listener.begins(static_cast<int>(pair.i), static_cast<int>(pair.j)); });
   }
 }
 
@@ -145,6 +163,7 @@ void PairTouching::push() {
 }
 
 void PairTouching::push_queued() {
+  if (rows_.size() == 0) return;
   largest_overlap_ = std::max(largest_overlap_, rows_.advance(update->dt));
   const auto n_local = static_cast<std::uint32_t>(atom->nlocal);
   double *const forces = atom->f[0], *const torques = atom->torque[0];

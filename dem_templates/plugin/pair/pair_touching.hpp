@@ -24,14 +24,15 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
  public:
   explicit PairTouching(LAMMPS_NS::LAMMPS* lammps) : PairGranProxy(lammps) {}
 
-  /// Hears of each two that touch at a step and did not at the one before; i is of this rank, j may be a ghost. Two of
-  /// two ranks begin on both. What touches when a run starts has begun before it. Places and velocities are those with
-  /// which they met: nothing has pushed yet.
-  using Listener = std::function<void(int i, int j)>;
-  /// There is one; it is not heard any more when it goes.
-  void set_listener(const std::shared_ptr<const Listener>& listener) { listener_ = listener; }
-  /// At any step since the last call, over the smaller radius; of this rank.
-  double take_largest_overlap();
+  struct Listener {
+    /// Hears of each two that touch at a step and did not at the one before; i is of this rank, j may be a ghost. Two
+    /// of two ranks begin on both. What touches when a run starts has begun before it. Places and velocities are those
+    /// with which they met: nothing has pushed yet.
+    std::function<void(int i, int j)> begins;
+    double largest_overlap = 0.0;  ///< at any step since it was last set, over the smaller radius; of this rank
+  };
+  /// It is heard as long as it lives.
+  void add_listener(const std::shared_ptr<Listener>& listener) { listeners_.push_back(listener); }
 
   /// Whether those that touched at the last step are all that remember something, and are known.
   bool knows_who_remembers() const;
@@ -58,7 +59,10 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
   bool only_forces_matter(int energy, int virials, int add) const;
   /// The list is a new one.
   void start();
+  void push_pairs(int energy, int virials, int add);
   void note_begins();
+  template <class Told>
+  void for_each_listener(Told&& told);
   void note_overlaps();
   void push();
   void push_queued();
@@ -69,8 +73,8 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
 
   bool is_in_rows_ = false;  ///< the law is that of PairRows
   bool forgets_ = false;     ///< two that are apart remember nothing
-  std::weak_ptr<const Listener> listener_;
-  double largest_overlap_ = 0.0;
+  std::vector<std::weak_ptr<Listener>> listeners_;
+  double largest_overlap_ = 0.0;  ///< in this step
 
   NearPairs near_;
   std::vector<NearPairs::Pair> listed_;      ///< scratch
