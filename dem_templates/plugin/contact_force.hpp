@@ -15,6 +15,7 @@ struct ContactMaterial {
   double damping = 0.0;           ///< ln e / sqrt(ln^2 e + pi^2), not positive [-]
   double friction = 0.0;          ///< Coulomb [-]
   double rolling_friction = 0.0;  ///< [-]
+  double cohesion = 0.0;          ///< cohesion energy density; of walls only [J/m^3]
 };
 
 /// Two bodies that overlap; the effective radius and mass of one against a wall are its own.

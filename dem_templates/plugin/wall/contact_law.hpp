@@ -12,16 +12,6 @@ namespace granary::dem {
 
 enum class RollingModel { none, cdt, epsd2 };
 
-/// Of one particle type against the wall's type, as LIGGGHTS' property registry has them.
-struct WallMaterial {
-  double young = 0.0;             ///< effective Young's modulus [Pa]
-  double shear = 0.0;             ///< effective shear modulus [Pa]
-  double damping = 0.0;           ///< ln e / sqrt(ln^2 e + pi^2), not positive [-]
-  double friction = 0.0;          ///< Coulomb [-]
-  double rolling_friction = 0.0;  ///< [-]
-  double cohesion = 0.0;          ///< cohesion energy density [J/m^3]
-};
-
 struct WallApproach {
   double radius = 0.0, mass = 0.0;
   double overlap = 0.0;  ///< > 0 [m]
@@ -55,7 +45,7 @@ struct WallForce {
 ///
 /// Without branches on what differs from touch to touch: wall_rows.cpp works on several at once.
 template <RollingModel rolling, bool frozen>
-[[gnu::always_inline]] inline WallForce wall_force(const WallMaterial& material, const WallApproach& a,
+[[gnu::always_inline]] inline WallForce wall_force(const ContactMaterial& material, const WallApproach& a,
                                                    double time_step, TouchHistory& history) {
   const double distance = a.radius - a.overlap;
   const double normal_speed = dot(a.velocity, a.normal);

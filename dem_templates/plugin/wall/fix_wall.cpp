@@ -210,7 +210,7 @@ void FixWall::queue(std::size_t b, const Look& look, bool frozen) {
   TouchBook::Page& page = book_.page(look.particle);
   if (slots_.size() < touches.size()) slots_.resize(touches.size());
   bool impact = !page.go_on(static_cast<std::uint8_t>(b), touches, slots_.data()) && !frozen;
-  const WallMaterial& material = materials_[static_cast<std::size_t>(atom->type[i])];
+  const ContactMaterial& material = materials_[static_cast<std::size_t>(atom->type[i])];
   const double mass = atom->rmass[i];
   const double *velocity = atom->v[0] + 3 * i, *spin = atom->omega[0] + 3 * i;
   for (std::size_t k = 0; k < touches.size(); ++k) {

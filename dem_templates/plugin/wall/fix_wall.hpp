@@ -124,7 +124,7 @@ class FixWall : public LAMMPS_NS::Fix {
   // LIGGGHTS' registry writes through the addresses of these.
   double **young_ = nullptr, **shear_ = nullptr, **damping_ = nullptr, **friction_ = nullptr,
          **rolling_friction_ = nullptr, **cohesion_density_ = nullptr;
-  std::vector<WallMaterial> materials_;  ///< of each particle type, from 1 on
+  std::vector<ContactMaterial> materials_;  ///< of each particle type, from 1 on
 
   ImpactListener listener_;
   TouchListener touch_listener_;

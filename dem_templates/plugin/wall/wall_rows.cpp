@@ -21,12 +21,12 @@ template <RollingModel rolling, bool frozen>
     const auto set = [&](std::size_t c, const Vector3& v) { at(c) = v[0], at(c + 1) = v[1], at(c + 2) = v[2]; };
 
     const Vector3 point = vector(Rows::kPoint) - origin;
-    const WallMaterial material{.young = at(Rows::kYoung),
-                                .shear = at(Rows::kShearModulus),
-                                .damping = at(Rows::kDamping),
-                                .friction = at(Rows::kFriction),
-                                .rolling_friction = at(Rows::kRollingFriction),
-                                .cohesion = at(Rows::kCohesion)};
+    const ContactMaterial material{.young = at(Rows::kYoung),
+                                   .shear = at(Rows::kShearModulus),
+                                   .damping = at(Rows::kDamping),
+                                   .friction = at(Rows::kFriction),
+                                   .rolling_friction = at(Rows::kRollingFriction),
+                                   .cohesion = at(Rows::kCohesion)};
     const WallApproach approach{.radius = at(Rows::kRadius),
                                 .mass = at(Rows::kMass),
                                 .overlap = at(Rows::kOverlap),
@@ -100,7 +100,7 @@ WallRows::WallRows(RollingModel rolling) : rolling_(rolling) {
   for (const std::size_t column : {kRadius, kMass}) std::fill_n(numbers_.begin() + column * kMost, kMost, 1.0);
 }
 
-void WallRows::set_material(const WallMaterial& material) {
+void WallRows::set_material(const ContactMaterial& material) {
   material_[size_] = &material;
   const double law[6] = {
       material.young,   material.shear, material.damping, material.friction, material.rolling_friction,

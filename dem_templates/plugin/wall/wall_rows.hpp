@@ -37,7 +37,7 @@ class WallRows {
   bool full() const { return size_ == kMost; }
   void clear() { size_ = 0; }
   /// Not when it is full. The material must stay where it is, as it is.
-  void add(const WallMaterial& material, const Touch& touch) {
+  void add(const ContactMaterial& material, const Touch& touch) {
     const double alone[3] = {touch.radius, touch.mass, touch.overlap};
     set(kRadius, alone);
     set(kNormal, touch.normal);
@@ -78,11 +78,11 @@ class WallRows {
     for (std::size_t d = 0; d < 3; ++d) numbers_[(column + d) * kMost + size_] = values[d];
   }
 
-  void set_material(const WallMaterial& material);
+  void set_material(const ContactMaterial& material);
 
   RollingModel rolling_;
   std::size_t size_ = 0;
-  std::array<const WallMaterial*, kMost> material_{};         ///< whose numbers the row holds
+  std::array<const ContactMaterial*, kMost> material_{};      ///< whose numbers the row holds
   alignas(64) std::array<double, kColumns * kMost> numbers_;  ///< column after column
 };
 

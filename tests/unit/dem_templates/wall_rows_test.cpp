@@ -11,7 +11,7 @@ namespace granary::dem {
 namespace {
 
 struct Case {
-  WallMaterial material;
+  ContactMaterial material;
   double radius = 0.0, mass = 0.0, overlap = 0.0;
   Vector3 normal{}, point{};
   Vector3 velocity{}, spin{};  // of the particle, in the laboratory
