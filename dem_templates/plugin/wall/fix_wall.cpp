@@ -298,7 +298,7 @@ double FixWall::impact_speed(std::size_t b, std::size_t k) {
     likeness = alike;
     speed = -dot(velocity, first.normal);
   }
-  return speed;
+  return speed > 0.0 ? speed : seen;
 }
 
 void FixWall::wear_off(std::size_t b, std::size_t k) {
