@@ -134,7 +134,7 @@ Status FixTally::find(Body& body) {
 // The pair forces and our walls see every step: each contact is known as it begins.
 void FixTally::listen() {
   listener_ = std::make_shared<PairTouching::Listener>();
-  listener_->begins = [this](int i, int j) { count_collision(i, j); };
+  listener_->begin = [this](std::span<const NearPairs::Pair> began) { count_collisions(began); };
   pairs_->add_listener(listener_);
   for (const Body& body : bodies_) {
     if (!body.walls) continue;
@@ -175,8 +175,8 @@ void FixTally::post_force(int) {
   look(step);
   const bool window_ends = step - window_start_ >= window_steps_;
   if (++looks_ % kLooksPerSurvey == 0 || window_ends) survey(Purpose::count);
-  own_seconds_ += MPI_Wtime() - start;
   if (window_ends) close_window();
+  own_seconds_ += MPI_Wtime() - start;
 }
 
 // A run may end between two looks, in the middle of a window.
@@ -206,15 +206,18 @@ void FixTally::look(long step) {
 }
 
 // A pair belongs to the particle with the smaller tag, and so to the rank where that one lives: it counts there.
-void FixTally::count_collision(int i, int j) {
-  if ((atom->tag[i] < atom->tag[j] ? i : j) >= atom->nlocal) return;
+void FixTally::count_collisions(std::span<const NearPairs::Pair> began) {
   const double start = MPI_Wtime();
-  const Vector3 between = vector_of(atom->x[i]) - vector_of(atom->x[j]);
-  const Vector3 velocity = vector_of(atom->v[i]) - vector_of(atom->v[j]);
-  const double radius_i = atom->radius[i], radius_j = atom->radius[j];
-  const double axial = 0.5 * (atom->x[i][layout_.axis] + atom->x[j][layout_.axis]);
-  window_->collision(2.0 * radius_i, 2.0 * radius_j, axial,
-                     touch_speed(between.data(), velocity.data(), radius_i + radius_j));
+  const auto n_local = static_cast<std::uint32_t>(atom->nlocal);
+  for (const auto& [i, j, place] : began) {
+    if ((atom->tag[i] < atom->tag[j] ? i : j) >= n_local) continue;
+    const Vector3 between = vector_of(atom->x[i]) - vector_of(atom->x[j]);
+    const Vector3 velocity = vector_of(atom->v[i]) - vector_of(atom->v[j]);
+    const double radius_i = atom->radius[i], radius_j = atom->radius[j];
+    const double axial = 0.5 * (atom->x[i][layout_.axis] + atom->x[j][layout_.axis]);
+    window_->collision(2.0 * radius_i, 2.0 * radius_j, axial,
+                       touch_speed(between.data(), velocity.data(), radius_i + radius_j));
+  }
   own_seconds_ += MPI_Wtime() - start;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,7 @@ class FixTally : public LAMMPS_NS::Fix {
   /// Bodies that LIGGGHTS moves: what touches them, and which of that began since the last look.
   void look_at_walls(Purpose purpose);
   void look_at_loads();
-  void count_collision(int i, int j);
+  void count_collisions(std::span<const NearPairs::Pair> began);
   void count_impact(std::size_t body, const WallTouch& touch);
   /// Joins a body to its fix. Error: there is none.
   Status find(Body& body);

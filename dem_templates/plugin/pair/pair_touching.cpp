@@ -127,13 +127,14 @@ void PairTouching::for_each_listener(Told&& told) {
 
 void PairTouching::note_begins() {
   const std::uint32_t before = n_steps_++;
+  begin_.clear();
   for (const std::uint32_t number : touching_) {
     if (std::exchange(touched_at_[number], n_steps_) == before || shearupdate_ == 0) continue;
     const NearPairs::Pair& pair = near_.pair(number);
     if (forgets_ && listgranhistory) std::fill_n(remembered(pair), listgranhistory->dnum, 0.0);
-    for_each_listener(
-        [&pair](Listener& listener) { listener.begins(static_cast<int>(pair.i), static_cast<int>(pair.j)); });
+    begin_.push_back(pair);
   }
+  if (!begin_.empty()) for_each_listener([this](Listener& listener) { listener.begin(begin_); });
 }
 
 void PairTouching::note_overlaps() {

@@ -25,10 +25,10 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
   explicit PairTouching(LAMMPS_NS::LAMMPS* lammps) : PairGranProxy(lammps) {}
 
   struct Listener {
-    /// Hears of each two that touch at a step and did not at the one before; i is of this rank, j may be a ghost. Two
+    /// Hears, once a step, of all that touch and did not at the step before; i is of this rank, j may be a ghost. Two
     /// of two ranks begin on both. What touches when a run starts has begun before it. Places and velocities are those
     /// with which they met: nothing has pushed yet.
-    std::function<void(int i, int j)> begins;
+    std::function<void(std::span<const NearPairs::Pair>)> begin;
     double largest_overlap = 0.0;  ///< at any step since it was last set, over the smaller radius; of this rank
   };
   /// It is heard as long as it lives.
@@ -83,6 +83,7 @@ class PairTouching : public LAMMPS_NS::PairGranProxy {
   int n_local_ = 0;
   std::uint32_t n_steps_ = 1;              ///< times that forces were worked out
   std::vector<std::uint32_t> touched_at_;  ///< of each pair: n_steps_ when it last touched
+  std::vector<NearPairs::Pair> begin_;     ///< scratch: in this step
   std::vector<int> with_partner_;          ///< scratch: particles
 
   // LIGGGHTS' registry writes through the addresses of these.
