@@ -111,6 +111,18 @@ TEST(Lists, OfOursGiveThePathsThatLiggghtsItselfGives) {
   }
 }
 
+// A pressure asks for virials: LIGGGHTS works those steps out, ours the others, from one memory of the contacts.
+TEST(Lists, OfOursGoOnWhereLiggghtsWorksOutAStep) {
+  const std::string pressure =
+      "compute p all pressure thermo_temp virial\nthermo 7\nthermo_style custom step atoms c_p\n";
+  const Folder folder;
+  folder.write("in.stock", cloud());
+  ASSERT_EQ(shell(folder, "liggghts -in in.stock"), 0) << folder.read("err");
+  const auto stock = read_dump(folder);
+  ASSERT_EQ(run_deck(folder, cloud(pressure)), 0) << folder.read("err");
+  EXPECT_LT(difference(read_dump(folder), stock), 1e-9);
+}
+
 TEST(Lists, RefuseMeshesThatLiggghtsMoves) {
   const Folder folder;
   folder.write("plate.stl",
