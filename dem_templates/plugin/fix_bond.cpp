@@ -142,7 +142,7 @@ void FixBond::new_list() {
   if (!watching()) return;
   if (made) history_.start(survey());
   if (fragments_old_) number_fragments();
-  for_each_listed_pair(*lmp, [this](int i, int j) {
+  for_each_listed_pair(*lmp, [this](int i, int j, int) {
     const double a = agglomerate_[static_cast<std::size_t>(i)], b = agglomerate_[static_cast<std::size_t>(j)];
     const bool strangers = a != b || a == 0.0;
     if (strangers || fragment_of(i) != fragment_of(j)) close_pairs_.push_back({i, j, strangers ? 1.0 : kOwnDebris});
@@ -231,7 +231,7 @@ bool FixBond::make_bonds_if_due() {
 }
 
 void FixBond::make_bonds() {
-  for_each_pair(*lmp, [this](int i, int j, std::size_t, double distance2, double touching2) {
+  for_each_pair(*lmp, [this](int i, int j, double distance2, double touching2) {
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
     if (agglomerate_[a] != agglomerate_[b] || agglomerate_[a] == 0.0 || waiting_[a] == 0.0 || waiting_[b] == 0.0)
       return;

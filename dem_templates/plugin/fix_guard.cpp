@@ -123,7 +123,7 @@ std::vector<double> FixGuard::largest_overlaps() {
       largest[static_cast<std::size_t>(i)] = std::max(largest[static_cast<std::size_t>(i)], overlap);
   };
   const double* const radius = atom->radius;
-  for_each_pair(*lmp, [&](int i, int j, std::size_t, double distance2, double touching2) {
+  for_each_pair(*lmp, [&](int i, int j, double distance2, double touching2) {
     if (distance2 >= touching2) return;
     const double overlap = radius[i] + radius[j] - std::sqrt(distance2);
     note(i, overlap / radius[i]);

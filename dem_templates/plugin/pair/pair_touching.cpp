@@ -14,6 +14,7 @@
 #include <update.h>
 
 #include "dem_templates/plugin/cell_neighbor.hpp"
+#include "dem_templates/plugin/contacts.hpp"
 
 namespace granary::dem {
 namespace {
@@ -80,12 +81,10 @@ int& PairTouching::flag(const NearPairs::Pair& pair) const { return listgranhist
 
 void PairTouching::start() {
   listed_.clear();
-  for (int n = 0; n < list->inum; ++n) {
-    const auto i = static_cast<std::uint32_t>(list->ilist[n]);
-    const int *const neighbours = list->firstneigh[i], count = list->numneigh[i];
-    for (int k = 0; k < count; ++k)
-      listed_.push_back({i, static_cast<std::uint32_t>(neighbours[k] & NEIGHMASK), static_cast<std::uint32_t>(k)});
-  }
+  for_each_listed_pair(*lmp, [this](int i, int j, int place) {
+    listed_.push_back(
+        {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(place)});
+  });
   near_.start(listed_, atom->nlocal > 0 ? atom->x[0] : nullptr, atom->radius, neighbor->skin);
   // Who remembers something has touched before the list was made.
   touched_at_.resize(near_.size());
